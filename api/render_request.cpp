@@ -1,0 +1,351 @@
+#include "api/render_request.hpp"
+
+#include "api/contract.hpp"
+#include "api/problem.hpp"
+#include "api/validate.hpp"
+#include "renderer/scene/procedural.hpp"
+#include "renderer/scene/transform.hpp"
+#include "renderer/base/check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+
+namespace furnace::api {
+namespace {
+
+constexpr std::string_view kBuiltin = "builtin:";
+
+// Faults found after the schema was satisfied; they are told together.
+class Faults {
+ public:
+  bool full() const { return problems_.size() >= kMaxProblems; }
+
+  void add(ErrorCode code, const Value& place, std::string message) {
+    if (full()) return;
+    mixed_ = mixed_ || (!problems_.empty() && code != code_);
+    code_ = code;
+    problems_.push_back({place.pointer(), std::move(message)});
+  }
+
+  // Runs `step`; an Error becomes a fault at `place`. A pointer that is not the place's leads into the file
+  // named there.
+  void collect(const Value& place, const std::function<void()>& step) {
+    try {
+      step();
+    } catch (const Error& error) {
+      const bool inside = !error.pointer.empty() && error.pointer != place.pointer();
+      add(error.code, place,
+          inside ? fmt::format("{} of the file: {}", error.pointer, error.message) : error.message);
+      details_ += error.detail;
+    }
+  }
+
+  void throw_if_any() {
+    try {
+      fail_if_any(std::move(problems_), mixed_ ? ErrorCode::kUnprocessable : code_);
+    } catch (Error& error) {
+      error.detail = details_;
+      throw;
+    }
+  }
+
+ private:
+  std::vector<Problem> problems_;
+  std::string details_;
+  ErrorCode code_ = ErrorCode::kUnprocessable;
+  bool mixed_ = false;
+};
+
+// An absent value leaves the target at its default.
+void read(const Value& value, bool& target) {
+  if (value) target = value.boolean();
+}
+
+void read(const Value& value, int& target) {
+  if (value) target = value.integer();
+}
+
+void read(const Value& value, float& target) {
+  if (value) target = static_cast<float>(value.number());
+}
+
+void read(const Value& value, double& target) {
+  if (value) target = value.number();
+}
+
+void read(const Value& value, glm::vec3& target) {
+  if (value) target = {value.at(0).number(), value.at(1).number(), value.at(2).number()};
+}
+
+// Three numbers or four; without the fourth alpha is 1.
+void read(const Value& value, glm::vec4& target) {
+  if (value)
+    target = {value.at(0).number(), value.at(1).number(), value.at(2).number(),
+              value.size() > 3 ? value.at(3).number() : 1.0};
+}
+
+void read(const Value& value, std::string& target) {
+  if (value) target = value.text();
+}
+
+template <class T>
+void read(const Value& value, std::optional<T>& target) {
+  if (value) read(value, target.emplace());
+}
+
+void read_degrees(const Value& value, double& target_rad) {
+  if (value) target_rad = radians_from_degrees(value.number());
+}
+
+template <class T>
+struct Choice {
+  std::string_view name;
+  T value;
+};
+
+// The schema lists the same names, so one of them fits.
+template <class T, std::size_t kCount>
+void read_choice(const Value& value, const Choice<T> (&choices)[kCount], T& target) {
+  if (!value) return;
+  const auto* found = std::find_if(choices, choices + kCount,
+                                   [&](const Choice<T>& choice) { return choice.name == value.text(); });
+  FURNACE_CHECK(found != choices + kCount, "{} is not handled", value.text());
+  target = found->value;
+}
+
+std::vector<std::string> strings(const std::vector<std::string_view>& names) {
+  return {names.begin(), names.end()};
+}
+
+bool is_preset(std::string_view name) {
+  return material_preset(name).has_value();
+}
+
+class Reader {
+ public:
+  Reader(const AssetResolver& assets, const RequestLimits& limits) : assets_(assets), limits_(limits) {}
+
+  RenderSpec read_request(const Value& root, OutputFormat unstated_format) {
+    RenderSpec spec;
+    read_scene(root["scene"], spec.scene);
+    read_environment(root["environment"], spec.environment);
+    read_camera(root["camera"], spec.camera);
+    spec.output.format = unstated_format;
+    read_output(root["output"], spec.output);
+    read(root["strict"], spec.strict);
+    faults_.throw_if_any();
+    return spec;
+  }
+
+ private:
+  void read_scene(const Value& scene, SceneSpec& spec) {
+    for (const auto& [name, value] : scene["materials"].members())
+      spec.materials.emplace(name, read_material(value));
+    if (const Value model = scene["model"]) read_model(model, spec);
+    const Value nodes = scene["nodes"];
+    for (std::size_t i = 0; i < nodes.size(); ++i) spec.nodes.push_back(read_node(nodes.at(i), spec));
+    if (!scene["model"] && !nodes) spec.nodes.push_back(default_node(kDefaultMesh));
+    if (const Value index = scene["gltfScene"]) {
+      read(index, spec.gltf_scene);
+      if (!scene["model"] || scene["model"].text().starts_with(kBuiltin))
+        faults_.add(ErrorCode::kUnprocessable, index,
+                    "needs a glTF file as \"model\"; leave it out or name one");
+    }
+  }
+
+  static NodeSpec default_node(std::string_view mesh) {
+    NodeSpec node;
+    node.mesh = mesh;
+    node.material = kDefaultPreset;
+    return node;
+  }
+
+  void read_model(const Value& model, SceneSpec& spec) {
+    if (const auto name = builtin_name(model, builtin_mesh_names(), "mesh"))
+      spec.nodes.push_back(default_node(*name));
+    else if (!model.text().starts_with(kBuiltin))
+      faults_.collect(model,
+                      [&] { spec.model = assets_.read_model(std::string(model.text()), model.pointer()); });
+  }
+
+  // The name after "builtin:", or none for another scheme or (told) an unknown name.
+  std::optional<std::string> builtin_name(const Value& reference, const std::vector<std::string_view>& known,
+                                          std::string_view noun) {
+    std::string_view name = reference.text();
+    if (!name.starts_with(kBuiltin)) return std::nullopt;
+    name.remove_prefix(kBuiltin.size());
+    if (std::find(known.begin(), known.end(), name) != known.end()) return std::string(name);
+    faults_.add(ErrorCode::kUnprocessable, reference,
+                fmt::format("there is no built-in {} {}{} (built in: {})", noun, api::quoted(name),
+                            did_you_mean(name, strings(known)), fmt::join(known, ", ")));
+    return std::nullopt;
+  }
+
+  NodeSpec read_node(const Value& value, const SceneSpec& scene) {
+    NodeSpec node;
+    node.mesh = value["mesh"].text().substr(kBuiltin.size());  // one of the schema's names
+    read(value["material"], node.material);
+    if (node.material && !faults_.full()) check_material_name(value["material"], scene);
+    read(value["translation"], node.translation);
+    read(value["scale"], node.scale);
+    if (const Value rotation = value["rotation"]) node.rotation = read_rotation(rotation);
+    return node;
+  }
+
+  void check_material_name(const Value& material, const SceneSpec& scene) {
+    const std::string name(material.text());
+    if (scene.materials.contains(name) || is_preset(name)) return;
+    std::vector<std::string> known = strings(material_preset_names());
+    for (const auto& [key, unused] : scene.materials) known.push_back(key);
+    faults_.add(ErrorCode::kUnprocessable, material,
+                fmt::format("{} is neither in scene.materials nor a preset{}", api::quoted(name),
+                            did_you_mean(name, known)));
+  }
+
+  glm::quat read_rotation(const Value& value) {
+    const glm::dvec4 xyzw(value.at(0).number(), value.at(1).number(), value.at(2).number(),
+                          value.at(3).number());
+    constexpr double kShortest = 1e-3;  // below, rounded decimals leave no direction
+    const double length = glm::length(xyzw);
+    if (length < kShortest) {
+      faults_.add(ErrorCode::kUnprocessable, value, "has no length; no rotation is [0, 0, 0, 1]");
+      return {1, 0, 0, 0};
+    }
+    const glm::vec4 unit(xyzw / length);
+    return {unit.w, unit.x, unit.y, unit.z};
+  }
+
+  static MaterialOverride read_material(const Value& value) {
+    MaterialOverride material;
+    if (value.type() == JsonType::kText) {
+      read(value, material.preset.emplace());
+      return material;
+    }
+    read(value["preset"], material.preset);
+    read(value["baseColor"], material.base_color);
+    read(value["metallic"], material.metallic);
+    read(value["roughness"], material.perceptual_roughness);
+    read(value["emissive"], material.emissive);
+    read(value["emissiveStrength"], material.emissive_strength);
+    read(value["normalScale"], material.normal_scale);
+    read(value["occlusionStrength"], material.occlusion_strength);
+    read(value["alphaCutoff"], material.alpha_cutoff);
+    read(value["doubleSided"], material.double_sided);
+    read(value["unlit"], material.unlit);
+    static constexpr Choice<AlphaMode> kModes[] = {
+        {"OPAQUE", AlphaMode::kOpaque}, {"MASK", AlphaMode::kMask}, {"BLEND", AlphaMode::kBlend}};
+    if (const Value mode = value["alphaMode"]) read_choice(mode, kModes, material.alpha_mode.emplace());
+    return material;
+  }
+
+  void read_environment(const Value& value, EnvironmentSpec& spec) {
+    if (const Value map = value["map"]) read_map(map, spec);
+    read_degrees(value["rotationDegrees"], spec.rotation_rad);
+    read(value["intensity"], spec.intensity);
+    static constexpr Choice<BackgroundKind> kKinds[] = {{"environment", BackgroundKind::kEnvironment},
+                                                        {"color", BackgroundKind::kColor},
+                                                        {"transparent", BackgroundKind::kTransparent}};
+    read_choice(value["background"]["type"], kKinds, spec.background);
+    read(value["background"]["color"], spec.background_color);
+  }
+
+  void read_map(const Value& map, EnvironmentSpec& spec) {
+    if (map.type() == JsonType::kObject)
+      read(map["color"], spec.map.emplace<EnvironmentColor>().radiance);
+    else if (auto name = builtin_name(map, builtin_environment_names(), "environment"))
+      spec.map = BuiltinName{std::move(*name)};
+    else if (!map.text().starts_with(kBuiltin))
+      faults_.collect(
+          map, [&] { spec.map = EnvironmentFile{assets_.read(std::string(map.text()), map.pointer())}; });
+  }
+
+  static void read_camera(const Value& value, CameraSpec& spec) {
+    const Value orbit = value["orbit"], look_at = value["lookAt"], gltf = value["gltf"],
+                fov = value["fovYDegrees"];
+    if (gltf) {
+      auto& which = spec.view.emplace<GltfCamera>().which;
+      if (gltf.type() == JsonType::kText)
+        which = std::string(gltf.text());
+      else
+        which = gltf.integer();
+    } else if (look_at) {
+      auto& camera = spec.view.emplace<LookAtCamera>();
+      read(look_at["eye"], camera.eye);
+      read(look_at["target"], camera.target);
+      read(look_at["up"], camera.up);
+      read_degrees(fov, camera.fov_y_rad);
+    } else {
+      auto& camera = spec.view.emplace<OrbitCamera>();
+      read_degrees(orbit["azimuthDegrees"], camera.azimuth_rad);
+      read_degrees(orbit["elevationDegrees"], camera.elevation_rad);
+      read(orbit["fit"], camera.fit);
+      read(orbit["orthographic"], camera.orthographic);
+      read_degrees(fov, camera.fov_y_rad);
+    }
+    read(value["exposureEv"], spec.exposure_ev);
+  }
+
+  void read_output(const Value& value, OutputSpec& spec) {
+    read(value["width"], spec.width);
+    read(value["height"], spec.height);
+    if (const Value name = value["format"])
+      for (const FormatRow& row : kFormats)
+        if (row.name == name.text()) spec.format = row.format;
+    static constexpr Choice<SampleType> kTypes[] = {{"half", SampleType::kFloat16},
+                                                    {"float", SampleType::kFloat32}};
+    read_choice(value["exrType"], kTypes, spec.exr_type);
+    static constexpr Choice<ToneMap> kCurves[] = {
+        {"pbr-neutral", ToneMap::kPbrNeutral}, {"linear", ToneMap::kLinear}, {"none", ToneMap::kNone}};
+    read_choice(value["toneMap"], kCurves, spec.tone_map);
+    const Value quality = value["quality"];
+    spec.samples = samples_for_quality(quality ? quality.text() : kDefaultQuality);
+    read(value["samples"], spec.samples);
+    check_limits(value, spec);
+  }
+
+  void check_limits(const Value& output, const OutputSpec& spec) {
+    const std::pair<std::string_view, int> sides[] = {{"width", spec.width}, {"height", spec.height}};
+    bool sides_fit = true;
+    for (const auto& [key, side_px] : sides) {
+      if (side_px <= limits_.max_side_px) continue;
+      sides_fit = false;
+      faults_.add(
+          ErrorCode::kTooLarge, output[key],
+          fmt::format("{} px are more than this server's {} px a side", side_px, limits_.max_side_px));
+    }
+    if (const std::int64_t area_px = Extent{spec.width, spec.height}.area();
+        sides_fit && area_px > limits_.max_area_px)
+      faults_.add(ErrorCode::kTooLarge, output,
+                  fmt::format("{} x {} = {} px are more than this server's {} px a picture", spec.width,
+                              spec.height, area_px, limits_.max_area_px));
+    if (spec.samples > limits_.max_samples)
+      faults_.add(
+          ErrorCode::kTooLarge, output[output["samples"] ? "samples" : "quality"],
+          fmt::format("{} samples are more than this server's {}", spec.samples, limits_.max_samples));
+  }
+
+  const AssetResolver& assets_;
+  const RequestLimits& limits_;
+  Faults faults_;
+};
+
+}  // namespace
+
+int samples_for_quality(std::string_view quality) {
+  const auto* found = std::find_if(kQualityLevels.begin(), kQualityLevels.end(),
+                                   [&](const QualityLevel& level) { return level.name == quality; });
+  FURNACE_CHECK(found != kQualityLevels.end(), "no quality {}", quality);
+  return found->samples;
+}
+
+RenderSpec parse_render_request(std::string_view json, const AssetResolver& assets,
+                                const RequestLimits& limits, OutputFormat unstated_format) {
+  static const Schema schema(render_request_schema());
+  const Document document = Document::parse(json, {limits.max_json_depth, limits.max_json_bytes});
+  fail_if_any(schema.problems(document));
+  return Reader(assets, limits).read_request(document.root(), unstated_format);
+}
+
+}  // namespace furnace::api

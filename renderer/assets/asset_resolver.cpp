@@ -1,0 +1,209 @@
+#include "renderer/assets/asset_resolver.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "renderer/scene/gltf_container.hpp"
+#include "renderer/base/error.hpp"
+#include "renderer/base/file.hpp"
+
+namespace furnace {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kUriCacheBytes = 4 << 20;
+constexpr int kReadAttempts = 3;  // of a file that changes while it is read
+
+// What `body` finds wrong is wrong at this place of the request; an error that points into a model's own document keeps its
+// pointer and gets the place as a breadcrumb.
+template <class Body>
+auto at(const std::string& pointer, Body&& body) -> decltype(body()) {
+  try {
+    return body();
+  } catch (Error& error) {
+    if (error.pointer.empty()) error.pointer = pointer;
+    error.context.push_back(pointer);
+    throw;
+  }
+}
+
+// One text for a missing file and for one that a link leads out of the roots: nobody learns what exists
+// outside.
+[[noreturn]] void fail_missing_file(const std::string& relative) {
+  fail(ErrorCode::kNotFound, "there is no file \"" + relative + "\" in the asset folders");
+}
+
+void check_relative(const std::string& relative) {
+  const fs::path path(relative);
+  const bool climbs = std::ranges::find(path, fs::path("..")) != path.end();
+  const bool is_plain =
+      !relative.empty() && relative.find('\0') == std::string::npos && path.is_relative() && !climbs;
+  if (is_plain) return;
+  fail(ErrorCode::kUnprocessable, "a file is named by a path relative to the asset folders, without \"..\"");
+}
+
+bool is_below(const fs::path& root, const fs::path& path) {
+  return std::ranges::mismatch(root, path).in1 == root.end();
+}
+
+ContentHash identity_key(const FileIdentity& identity) {
+  return HashBuilder()
+      .add(static_cast<std::int64_t>(identity.device))
+      .add(static_cast<std::int64_t>(identity.inode))
+      .add(identity.size_bytes)
+      .add(identity.modified_ns)
+      .finish();
+}
+
+std::string_view last_segment(std::string_view path) {
+  return path.substr(path.find_last_of('/') + 1);
+}
+
+using Uris = std::vector<std::string>;
+
+// `find` gives a sibling by its URI, or none.
+std::shared_ptr<const ModelBundle> make_bundle(
+    Blob document, const Uris& uris, const std::function<std::optional<Blob>(const std::string&)>& find) {
+  auto bundle = std::make_shared<ModelBundle>();
+  bundle->document = std::move(document);
+  for (const std::string& uri : uris) {
+    if (std::optional<Blob> sibling = find(uri)) bundle->siblings.emplace(uri, *std::move(sibling));
+  }
+  bundle->seal();
+  return bundle;
+}
+
+}  // namespace
+
+struct FileAssets::State {
+  std::vector<fs::path> roots;  // canonical
+  std::int64_t max_file_bytes;
+  BudgetCache<Blob> contents;  // by FileIdentity
+  BudgetCache<Uris> uris;      // by the document's hash
+
+  State(std::int64_t cache_bytes, std::int64_t max_bytes)
+      : max_file_bytes(max_bytes),
+        contents(cache_bytes, [](const Blob& blob) { return static_cast<std::int64_t>(blob.size()); }),
+        uris(kUriCacheBytes, [](const Uris& list) {
+          std::size_t bytes = sizeof(Uris);
+          for (const std::string& uri : list) bytes += sizeof(std::string) + uri.size();
+          return static_cast<std::int64_t>(bytes);
+        }) {}
+
+  fs::path resolve(const std::string& relative) const;
+  Blob read(const std::string& relative);
+};
+
+fs::path FileAssets::State::resolve(const std::string& relative) const {
+  check_relative(relative);
+  for (const fs::path& root : roots) {
+    std::error_code error;
+    const fs::path path =
+        fs::canonical(root / relative, error);  // links resolved; an error when it does not exist
+    if (!error && is_below(root, path) && file_identity(path)) return path;
+  }
+  fail_missing_file(relative);
+}
+
+Blob FileAssets::State::read(const std::string& relative) {
+  const fs::path path = resolve(relative);
+  for (int attempt = 0; attempt < kReadAttempts; ++attempt) {
+    const std::optional<FileIdentity> before = file_identity(path);
+    if (!before) fail_missing_file(relative);
+    const auto blob = contents.get_or_load(identity_key(*before), Deadline{},
+                                           [&] { return Blob(read_file(path, max_file_bytes)); });
+    if (file_identity(path) == before) return *blob;
+  }
+  fail(ErrorCode::kStorage, "the file \"" + relative + "\" is being written");
+}
+
+FileAssets::FileAssets(std::vector<fs::path> roots, std::int64_t cache_bytes, std::int64_t max_file_bytes)
+    : state_(std::make_shared<State>(cache_bytes, max_file_bytes)) {
+  for (const fs::path& root : roots) state_->roots.push_back(fs::weakly_canonical(root));
+}
+
+Blob FileAssets::read(const std::string& relative, const std::string& pointer) {
+  return at(pointer, [&] { return state_->read(relative); });
+}
+
+std::shared_ptr<const ModelBundle> FileAssets::read_model(const std::string& relative,
+                                                          const std::string& pointer,
+                                                          const ImportLimits& limits) {
+  return at(pointer, [&] {
+    const Blob document = state_->read(relative);
+    const auto uris = state_->uris.get_or_load(document.hash(), Deadline{},
+                                               [&] { return gltf_external_uris(document, limits); });
+    const std::string folder = relative.substr(0, relative.size() - last_segment(relative).size());
+    return make_bundle(document, *uris, [&](const std::string& uri) -> std::optional<Blob> {
+      try {
+        return state_->read(folder + uri);
+      } catch (const Error& error) {
+        if (error.code == ErrorCode::kNotFound) return std::nullopt;
+        throw;
+      }
+    });
+  });
+}
+
+namespace {
+
+constexpr std::string_view kPartScheme = "part:";
+constexpr std::string_view kFileScheme = "file:";
+
+[[noreturn]] void fail_unknown_scheme(const std::string& pointer) {
+  fail(ErrorCode::kUnprocessable, "a reference begins with \"part:\", \"file:\" or \"data:\"", pointer);
+}
+
+// By its whole name, else by the last segments of both names; two different files of that name are refused.
+std::optional<Blob> find_sibling(const std::map<std::string, Blob>& parts, const std::string& uri) {
+  if (const auto exact = parts.find(uri); exact != parts.end()) return exact->second;
+  std::optional<Blob> found;
+  for (const auto& [name, blob] : parts) {
+    if (last_segment(name) != last_segment(uri)) continue;
+    if (found && found->hash() != blob.hash()) {
+      fail(ErrorCode::kUnprocessable,
+           "the model refers to \"" + uri +
+               "\", and two different parts of the request could be meant; name one so");
+    }
+    found = blob;
+  }
+  return found;
+}
+
+}  // namespace
+
+AssetResolver::AssetResolver(FileAssets& files, std::map<std::string, Blob> parts, ImportLimits limits)
+    : files_(&files), parts_(std::move(parts)), limits_(limits) {}
+
+Blob AssetResolver::read(const std::string& reference, const std::string& pointer) const {
+  if (reference.starts_with(kPartScheme)) {
+    const std::string name = reference.substr(kPartScheme.size());
+    const auto part = parts_.find(name);
+    if (part == parts_.end()) fail(ErrorCode::kNotFound, "the request has no part \"" + name + "\"", pointer);
+    return part->second;
+  }
+  if (reference.starts_with(kFileScheme)) return files_->read(reference.substr(kFileScheme.size()), pointer);
+  if (is_data_uri(reference)) return Blob(decode_data_uri(reference, pointer));
+  fail_unknown_scheme(pointer);
+}
+
+std::shared_ptr<const ModelBundle> AssetResolver::read_model(const std::string& reference,
+                                                             const std::string& pointer) const {
+  if (reference.starts_with(kFileScheme)) {
+    return files_->read_model(reference.substr(kFileScheme.size()), pointer, limits_);
+  }
+  return at(pointer, [&] {
+    Blob document = read(reference, pointer);
+    const Uris uris = gltf_external_uris(document, limits_);
+    return make_bundle(std::move(document), uris,
+                       [&](const std::string& uri) { return find_sibling(parts_, uri); });
+  });
+}
+
+}  // namespace furnace

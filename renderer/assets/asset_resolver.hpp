@@ -1,0 +1,52 @@
+// References in a request -> bytes. What "part:", "file:" and "asset:" mean is decided here, once, for every door.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "renderer/base/blob.hpp"
+#include "renderer/base/budget_cache.hpp"
+#include "renderer/scene/gltf_import.hpp"
+
+namespace furnace {
+
+// Reads files below configured roots. A file is hashed once and again only when its (device, inode, size, mtime) changed.
+// Refuses paths that leave every root (.., symlinks), says so without telling what exists outside.
+// Threads: any. Owns: a byte-bounded cache of file contents.
+class FileAssets {
+ public:
+  FileAssets(std::vector<std::filesystem::path> roots, std::int64_t cache_bytes, std::int64_t max_file_bytes);
+
+  Blob read(const std::string& relative, const std::string& pointer);
+  // The document and every file it names, resolved beside it.
+  std::shared_ptr<const ModelBundle> read_model(const std::string& relative, const std::string& pointer,
+                                                const ImportLimits& limits);
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
+
+// What a request may refer to. `parts` are the files of a multipart request, by part name and by file name.
+// Threads: one request.
+class AssetResolver {
+ public:
+  AssetResolver(FileAssets& files, std::map<std::string, Blob> parts, ImportLimits limits);
+
+  // `reference` is "part:NAME", "file:RELATIVE", "data:..." (base64 or percent-encoded); `pointer` is its place in the request.
+  // Errors: kUnprocessable for an unknown scheme or a broken data: URI, kNotFound for a name that is not there.
+  Blob read(const std::string& reference, const std::string& pointer) const;
+  // As read, with the siblings of a .gltf: other parts of the request by name or file name (also by the last path segment), or files
+  // beside the document. A missing buffer or image is left out: the importer tells of it.
+  std::shared_ptr<const ModelBundle> read_model(const std::string& reference, const std::string& pointer) const;
+
+ private:
+  FileAssets* files_;
+  std::map<std::string, Blob> parts_;
+  ImportLimits limits_;
+};
+
+}  // namespace furnace

@@ -1,0 +1,21 @@
+// A request's scene from its parts: the imported model, built-in nodes and material overrides.
+#pragma once
+
+#include <vector>
+
+#include "renderer/scene/render_spec.hpp"
+#include "renderer/scene/scene.hpp"
+
+namespace furnace {
+
+struct ComposedScene {
+  Scene scene;
+  std::vector<ContentHash> mesh_keys;  // of scene.meshes; equal for the same mesh in another composition
+
+  std::size_t byte_size() const { return scene.byte_size() + mesh_keys.size() * sizeof(ContentHash); }
+};
+
+// `model` is the imported spec.model, or null. Pure. Errors: kUnprocessable with pointers under "/scene".
+ComposedScene compose_scene(const SceneSpec& spec, const Scene* model);
+
+}  // namespace furnace

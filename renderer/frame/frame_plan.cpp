@@ -1,0 +1,52 @@
+#include "renderer/frame/frame_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace furnace {
+namespace {
+
+std::vector<Tile> cut_tiles(Extent picture, int side) {
+  std::vector<Tile> tiles;
+  for (int y = 0; y < picture.height; y += side) {
+    for (int x = 0; x < picture.width; x += side) {
+      tiles.push_back({x, y, {std::min(side, picture.width - x), std::min(side, picture.height - y)}});
+    }
+  }
+  return tiles;
+}
+
+// Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences": the R2 sequence, shifted so that sample 0 is the
+// pixel's centre; any prefix is well spread, so more sub-frames only refine.
+glm::vec2 r2_offset(int i) {
+  constexpr double kPlastic = 1.32471795724474602596;
+  const double x = 0.5 + i / kPlastic;
+  const double y = 0.5 + i / (kPlastic * kPlastic);
+  return {float(x - std::floor(x) - 0.5), float(y - std::floor(y) - 0.5)};
+}
+
+}  // namespace
+
+FramePlan plan_frame(const RenderSpec& spec, const gl::Limits& limits, int max_tile_px) {
+  FramePlan plan;
+  plan.picture = {spec.output.width, spec.output.height};
+  plan.tiles = cut_tiles(plan.picture, max_tile_px);
+  plan.tile_size = {std::min(max_tile_px, plan.picture.width), std::min(max_tile_px, plan.picture.height)};
+  plan.msaa_samples = limits.max_samples >= 4 ? 4 : 1;
+  for (int i = 0; i < spec.output.samples; ++i) plan.jitter_px.push_back(r2_offset(i));
+
+  plan.exposure = std::exp2(spec.camera.exposure_ev);
+  plan.background = spec.environment.background;
+  plan.opaque = plan.background != BackgroundKind::kTransparent;
+  if (plan.background == BackgroundKind::kColor) {
+    // The colour is the picture's: exposure must not change it.
+    plan.background_color = glm::vec4(spec.environment.background_color / float(plan.exposure), 1);
+  }
+  plan.environment_rotation_rad = spec.environment.rotation_rad;
+  plan.environment_intensity = spec.environment.intensity;
+  plan.tone_map = spec.output.tone_map;
+  plan.film_type = spec.output.format == OutputFormat::kPng ? SampleType::kUint8 : spec.output.exr_type;
+  return plan;
+}
+
+}  // namespace furnace

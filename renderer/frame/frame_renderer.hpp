@@ -1,0 +1,35 @@
+// Runs a plan: reads as the list of passes.
+#pragma once
+
+#include <optional>
+
+#include "renderer/base/deadline.hpp"
+#include "renderer/frame/frame_plan.hpp"
+#include "renderer/frame/frame_targets.hpp"
+#include "renderer/gl/program.hpp"
+#include "renderer/residency/draw_list.hpp"
+
+namespace furnace {
+
+struct FrameResult {
+  Image pixels;  // RGBA of the plan's film_type, straight alpha for kUint8, premultiplied else
+  double draw_ms = 0, readback_ms = 0;
+};
+
+// Threads: the context's. Owns: render targets.
+class FrameRenderer {
+ public:
+  FrameRenderer(gl::Context& context, gl::ProgramCache& programs);
+
+  // Errors: kDeadlineExceeded between sub-frames.
+  FrameResult render(Residency& residency, const FramePlan& plan, const View& view, const GpuScene& scene,
+                     const PreparedEnvironment& environment, const Deadline& deadline);
+
+ private:
+  gl::Context& context_;
+  gl::ProgramCache& programs_;
+  gl::VertexArray empty_vertex_array_;
+  std::optional<FrameTargets> targets_;
+};
+
+}  // namespace furnace

@@ -1,0 +1,13 @@
+// View + plan + environment -> FrameBlock of one sub-frame.
+#pragma once
+
+#include "renderer/frame/frame_plan.hpp"
+#include "renderer/residency/gpu_blocks.hpp"
+#include "renderer/residency/prepared_scene.hpp"
+
+namespace furnace {
+
+gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const PreparedEnvironment& environment,
+                           std::size_t subframe);
+
+}  // namespace furnace

@@ -1,0 +1,21 @@
+// The exact variant key of a shader: one bit a feature of shaders/interface/features.glsl, in that order.
+#pragma once
+
+#include <cstdint>
+
+namespace furnace::gl {
+
+using FeatureSet = std::uint32_t;
+
+enum Feature : FeatureSet {
+  kFeatureAlphaMask = 1u << 0,
+  kFeatureAlphaBlend = 1u << 1,
+  kFeatureUnlit = 1u << 2,
+  kFeatureNormalMap = 1u << 3,
+  kFeatureMaterialMaps = 1u << 4,
+  kFeatureSharpReflection = 1u << 5,
+  kFeatureMagnified = 1u << 6,
+  kFeatureMultisampled = 1u << 7,
+};
+
+}  // namespace furnace::gl

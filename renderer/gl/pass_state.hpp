@@ -1,0 +1,35 @@
+// All state a pass relies on, as one value: passes can be reordered and tested alone.
+#pragma once
+
+#include <optional>
+
+#include <glm/glm.hpp>
+
+#include "renderer/gl/gl.hpp"
+#include "renderer/image/image.hpp"
+
+namespace furnace::gl {
+
+enum class DepthUse { kOff, kTest, kTestAndWrite };
+enum class Blend {
+  kOff,
+  kPremultiplied,  // source + (1 - source alpha) * destination
+  kAdd,
+};
+
+struct PassState {
+  GLuint framebuffer = 0;
+  // The whole picture's viewport relative to this framebuffer: a tile draws with a negative offset, so that its fragments
+  // are those of the untiled picture.
+  int viewport_x = 0, viewport_y = 0;
+  Extent viewport;
+  DepthUse depth = DepthUse::kOff;
+  Blend blend = Blend::kOff;
+  bool alpha_to_coverage = false;
+  std::optional<glm::vec4> clear_color;
+  bool clear_depth = false;  // to 0: reversed depth
+};
+
+void begin_pass(Context&, const PassState& state);
+
+}  // namespace furnace::gl

@@ -1,0 +1,139 @@
+#include "renderer/ibl/octahedral_atlas.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderer/base/worker_pool.hpp"
+#include "renderer/ibl/tile_resampler.hpp"
+
+namespace furnace {
+
+namespace {
+
+constexpr int kBorder = 1;  // px
+constexpr int kSmallestTile = 64;
+constexpr double kTexelsPerAlpha = 7;     // side of a tile times alpha: the error of bilinear reading
+constexpr double kTexelsPerColumn = 0.85;  // side of a tile per column of the HDRI
+constexpr int kLargestTile = 1024;
+constexpr float kLargestHalf = 65504;
+constexpr double kTexelCost_us = 0.005;
+
+// The kernel and the texels of the HDRI blur together; the finer of the two counts for little.
+int tile_side(double alpha, int map_columns) {
+  const double side = 1 / std::hypot(alpha / kTexelsPerAlpha, 1 / (kTexelsPerColumn * map_columns));
+  return std::clamp(static_cast<int>(std::ceil(side / 8)) * 8, kSmallestTile, kLargestTile);
+}
+
+// Shelves of equal height, tallest first; the sides come in falling order.
+Extent place_tiles(const std::vector<AtlasTile*>& tiles) {
+  double area = 0;
+  int widest = 0;
+  for (const AtlasTile* tile : tiles) {
+    const int side = tile->inner + 2 * kBorder;
+    area += double(side) * side;
+    widest = std::max(widest, side);
+  }
+  const int width = std::max(widest, static_cast<int>(std::sqrt(area) * 1.05));
+  int x = 0, y = 0, shelf = 0, used = 0;
+  for (AtlasTile* tile : tiles) {
+    const int side = tile->inner + 2 * kBorder;
+    if (x + side > width) {
+      x = 0;
+      y += shelf;
+      shelf = 0;
+    }
+    tile->x = x + kBorder;
+    tile->y = y + kBorder;
+    x += side;
+    used = std::max(used, x);
+    shelf = std::max(shelf, side);
+  }
+  return {used, y + shelf};
+}
+
+float largest_sample(const Image& image) {
+  const auto samples = image.samples<float>();
+  return *std::max_element(samples.begin(), samples.end());
+}
+
+void store_tile(const std::vector<Quad>& texels, const AtlasTile& tile, double scale, Image& atlas, WorkerPool& pool) {
+  const int inner = tile.inner;
+  const float factor = static_cast<float>(scale);
+  const auto row_of = [&](int j) {
+    return atlas.samples<std::uint16_t>().subspan((std::size_t(tile.y + j) * atlas.extent.width + tile.x) * 4);
+  };
+  pool.parallel_for(inner, kTexelCost_us * inner, [&](std::size_t row) {
+    const Quad* in = texels.data() + row * inner;
+    std::vector<float> scaled(std::size_t(inner) * 4);
+    for (int i = 0; i < inner; ++i) {
+      for (int k = 0; k < 3; ++k) scaled[4 * i + k] = factor * in[i].v[k];
+      scaled[4 * i + 3] = 1;
+    }
+    half_from_float(scaled, row_of(static_cast<int>(row)).first(scaled.size()));
+  });
+  const auto copy_border = [&](int i, int j) {
+    const TexelIndex from = fold_octahedral(i, j, inner);
+    std::copy_n(row_of(from.j).begin() + 4 * from.i, 4, row_of(j).begin() + 4 * i);
+  };
+  for (int k = -1; k <= inner; ++k) {
+    copy_border(k, -1);
+    copy_border(k, inner);
+    copy_border(-1, k);
+    copy_border(inner, k);
+  }
+}
+
+}  // namespace
+
+OctahedralUv octahedral_from_direction(double x, double y, double z) {
+  const double length = std::abs(x) + std::abs(y) + std::abs(z);
+  double u = x / length, v = z / length;
+  if (y < 0) {
+    const double folded = std::copysign(1 - std::abs(v), u);
+    v = std::copysign(1 - std::abs(u), v);
+    u = folded;
+  }
+  return {0.5 + 0.5 * u, 0.5 + 0.5 * v};
+}
+
+std::array<double, 3> direction_from_octahedral(double u, double v) {
+  double x = 2 * u - 1, z = 2 * v - 1;
+  const double y = 1 - std::abs(x) - std::abs(z);
+  if (y < 0) {
+    const double unfolded = std::copysign(1 - std::abs(z), x);
+    z = std::copysign(1 - std::abs(x), z);
+    x = unfolded;
+  }
+  const double length = std::sqrt(x * x + y * y + z * z);
+  return {x / length, y / length, z / length};
+}
+
+OctahedralAtlas make_octahedral_atlas(const BakedEnvironment& baked, WorkerPool& pool) {
+  OctahedralAtlas atlas;
+  const int columns = std::max(baked.radiance->extent.width, baked.levels.front().equirect.extent.width);
+  float peak = largest_sample(baked.irradiance);
+  for (const BakedLevel& level : baked.levels) {
+    const double alpha = level.perceptual_roughness * level.perceptual_roughness;
+    atlas.level_roughness.push_back(level.perceptual_roughness);
+    atlas.level_tiles.push_back({0, 0, tile_side(alpha, columns)});
+    peak = std::max(peak, largest_sample(level.equirect));
+  }
+  atlas.irradiance_tile.inner = tile_side(1, columns) * 2;
+  // A factor of two is left for what interpolation adds.
+  if (peak > 0) atlas.scale = std::exp2(std::floor(std::log2(kLargestHalf / (2.0 * peak))));
+
+  std::vector<AtlasTile*> tiles = {&atlas.irradiance_tile};
+  for (AtlasTile& tile : atlas.level_tiles) tiles.push_back(&tile);
+  std::stable_sort(tiles.begin(), tiles.end(), [](const AtlasTile* a, const AtlasTile* b) { return a->inner > b->inner; });
+  atlas.texels = make_image(place_tiles(tiles), 4, SampleType::kFloat16, ColorSpace::kLinear);
+
+  TileResampler resampler(pool);
+  const auto fill = [&](const Image& equirect, const AtlasTile& tile) {
+    store_tile(resampler.resample(equirect, tile.inner), tile, atlas.scale, atlas.texels, pool);
+  };
+  for (std::size_t i = 0; i < baked.levels.size(); ++i) fill(baked.levels[i].equirect, atlas.level_tiles[i]);
+  fill(baked.irradiance, atlas.irradiance_tile);
+  return atlas;
+}
+
+}  // namespace furnace

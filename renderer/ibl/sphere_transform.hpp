@@ -1,0 +1,72 @@
+// Equirect maps <-> Fourier rows <-> spherical-harmonic coefficients, in double precision.
+#pragma once
+
+#include <vector>
+
+#include "renderer/base/worker_pool.hpp"
+#include "renderer/ibl/legendre.hpp"
+#include "renderer/ibl/row_fft.hpp"
+#include "renderer/image/image.hpp"
+
+namespace furnace {
+
+// The Fourier coefficients c_m of every row theta_j = pi (j + 0.5) / rows, as RowFft defines them: a colour in lanes.
+// Threads: a value. Owns: its coefficients.
+struct RowSpectrum {
+  RowSpectrum() = default;
+  RowSpectrum(int rows, int orders);
+
+  Lanes* row(int j) { return values.data() + std::size_t(j) * orders; }
+  const Lanes* row(int j) const { return values.data() + std::size_t(j) * orders; }
+
+  int rows = 0;
+  int orders = 0;  // m in [0, orders)
+  std::vector<Lanes> values;
+};
+
+// a_lm for degrees l < bands: f = sum of a_lm p_lm(cos theta) e^(i m phi), with 2 pi * integral of p_lm^2 over [-1, 1] = 1.
+// Threads: a value. Owns: its coefficients.
+struct HarmonicCoefficients {
+  explicit HarmonicCoefficients(int bands);
+
+  // Degrees m, m + 1, ..., bands - 1 of one order: a colour in lanes.
+  Lanes* order(int m) { return values.data() + offset(m); }
+  const Lanes* order(int m) const { return values.data() + offset(m); }
+
+  int bands = 0;
+  std::vector<Lanes> values;
+
+ private:
+  std::size_t offset(int m) const { return std::size_t(m) * bands - std::size_t(m) * (m - 1) / 2; }
+};
+
+// Eight row pairs, from pair `first` on, of a map of `rows` rows; row(j) gives a row's first element.
+template <class T, class RowOf>
+RowFft::Rows<T> row_pairs(int first, int rows, RowOf&& row) {
+  RowFft::Rows<T> pairs;
+  for (int r = 0; r < RowFft::kPairs; ++r) {
+    const int j = first + r, mirror = rows - 1 - j;
+    if (j <= mirror) pairs.north[r] = row(j);
+    if (j < mirror) pairs.south[r] = row(mirror);
+  }
+  return pairs;
+}
+inline int pair_groups(int rows) {
+  return ((rows + 1) / 2 + RowFft::kPairs - 1) / RowFft::kPairs;
+}
+
+// Exact for a map that is constant over the width of each texel: orders 0 .. width / 2.
+RowSpectrum spectrum_of_equirect(const Image& equirect, WorkerPool& pool);
+
+// The map sampled at texel centres, `width` to a row; orders above width / 2 are sampled too, not dropped.
+Image equirect_of_spectrum(const RowSpectrum& spectrum, int width, WorkerPool& pool);
+
+// Exact for a map that is constant over the height of each texel, for degrees up to about half of the rows, and good
+// enough for the faint ones up to all rows. As many bands as the table has.
+HarmonicCoefficients analyse(const RowSpectrum& spectrum, const LegendreTable& table, WorkerPool& pool);
+
+// sum over l of a_lm kernel[l] p_lm(theta_j); the kernel's degrees take part, orders 0 .. kernel.size() - 1 come out.
+RowSpectrum synthesise(const HarmonicCoefficients& coefficients, const LegendreTable& table,
+                       const std::vector<double>& kernel, int rows, WorkerPool& pool);
+
+}  // namespace furnace

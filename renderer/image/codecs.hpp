@@ -1,0 +1,36 @@
+// One function per file format; only decode.cpp calls them. All check the extent in the header before they
+// allocate.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+#include "renderer/image/decode.hpp"
+#include "renderer/image/image.hpp"
+
+namespace furnace {
+
+enum class Shape { kAny, kEquirect };
+
+// Fails with kTooLarge, naming the limit that was broken; kUnprocessable for an equirect that is not 2:1.
+void check_extent(std::string_view format, std::int64_t width, std::int64_t height,
+                  const DecodeLimits& limits, Shape shape = Shape::kAny);
+
+// Fails with kUnprocessable: "the PNG is damaged: ...".
+[[noreturn]] void fail_damaged(std::string_view format, std::string_view what);
+
+// Samples as glTF wants them: nothing but what is stored. Threads: any.
+Image decode_png(std::span<const std::byte> file, ColorSpace color_space, const DecodeLimits& limits);
+Image decode_jpeg(std::span<const std::byte> file, ColorSpace color_space, const DecodeLimits& limits);
+Image decode_webp(std::span<const std::byte> file, ColorSpace color_space, const DecodeLimits& limits);
+
+// RGB, kFloat32, exactly as stored: NaN, infinities and negative values included. Threads: any.
+Image decode_rgbe(std::span<const std::byte> file, const DecodeLimits& limits,
+                  Shape shape = Shape::kEquirect);
+Image decode_exr(std::span<const std::byte> file, const DecodeLimits& limits, Shape shape = Shape::kEquirect);
+
+// The rules of decode_environment, on any RGB kFloat32 image.
+RepairReport repair_radiance(Image& image);
+
+}  // namespace furnace

@@ -1,0 +1,202 @@
+#include "renderer/image/decode.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "renderer/image/codecs.hpp"
+#include "renderer/base/error.hpp"
+
+namespace furnace {
+
+namespace {
+
+std::string_view text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// The three rows around the one being mended, as they were before anything was mended. Columns wrap around
+// the sphere; there is no row beyond a pole.
+class OriginalRows {
+ public:
+  explicit OriginalRows(const Image& image)
+      : image_(image),
+        stride_(static_cast<std::size_t>(image.extent.width) * 3),
+        above_(stride_),
+        here_(stride_) {}
+
+  void enter(int y) {
+    std::swap(above_, here_);
+    std::ranges::copy(row(y), here_.begin());
+    y_ = y;
+  }
+
+  // Mean of the finite ones among the eight neighbours, negative ones counting as 0; 0 when there is none.
+  float mean_of_neighbours(int x, int channel) const {
+    const std::span<const float> rows[] = {
+        y_ > 0 ? above_ : std::span<const float>{}, here_,
+        y_ + 1 < image_.extent.height ? row(y_ + 1) : std::span<const float>{}};
+    const int width = image_.extent.width;
+    double sum = 0;
+    int count = 0;
+    for (const auto& samples : rows) {
+      if (samples.empty()) continue;
+      for (int dx : {width - 1, 0, 1}) {
+        const float sample = samples[static_cast<std::size_t>((x + dx) % width) * 3 + channel];
+        if (!std::isfinite(sample)) continue;
+        sum += std::max(sample, 0.0f);
+        ++count;
+      }
+    }
+    return count == 0 ? 0.0f : static_cast<float>(sum / count);
+  }
+
+ private:
+  std::span<const float> row(int y) const {
+    return image_.samples<float>().subspan(static_cast<std::size_t>(y) * stride_, stride_);
+  }
+
+  const Image& image_;
+  const std::size_t stride_;
+  std::vector<float> above_;
+  std::vector<float> here_;
+  int y_ = 0;
+};
+
+bool is_sound(float sample) {
+  return sample >= 0 && sample <= std::numeric_limits<float>::max();
+}
+
+// Largest finite sample of each channel, 0 when there is none.
+std::array<float, 3> finite_peaks(std::span<const float> samples) {
+  std::array<float, 3> peaks{};
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (std::isfinite(samples[i])) peaks[i % 3] = std::max(peaks[i % 3], samples[i]);
+  }
+  return peaks;
+}
+
+}  // namespace
+
+ImageFormat sniff_image_format(std::span<const std::byte> bytes) {
+  const std::string_view text = text_of(bytes);
+  if (text.starts_with("\x89PNG\r\n\x1a\n")) return ImageFormat::kPng;
+  if (text.starts_with("\xff\xd8\xff")) return ImageFormat::kJpeg;
+  if (text.starts_with("RIFF") && text.size() >= 12 && text.substr(8, 4) == "WEBP") return ImageFormat::kWebp;
+  if (text.starts_with("\x76\x2f\x31\x01")) return ImageFormat::kExr;
+  if (text.starts_with("#?")) return ImageFormat::kHdr;
+  return ImageFormat::kUnknown;
+}
+
+std::string_view image_format_name(ImageFormat format) {
+  switch (format) {
+    case ImageFormat::kPng:
+      return "PNG";
+    case ImageFormat::kJpeg:
+      return "JPEG";
+    case ImageFormat::kWebp:
+      return "WebP";
+    case ImageFormat::kExr:
+      return "OpenEXR";
+    case ImageFormat::kHdr:
+      return "Radiance HDR";
+    case ImageFormat::kUnknown:
+      break;
+  }
+  return "unknown";
+}
+
+void check_extent(std::string_view format, std::int64_t width, std::int64_t height,
+                  const DecodeLimits& limits, Shape shape) {
+  if (width < 1 || height < 1) fail_damaged(format, fmt::format("it claims {} x {} pixels", width, height));
+  if (width > limits.max_side_px || height > limits.max_side_px) {
+    fail(ErrorCode::kTooLarge, fmt::format("the {} has {} x {} pixels; a side may have {}", format, width,
+                                           height, limits.max_side_px));
+  }
+  if (width * height > limits.max_area_px) {
+    fail(ErrorCode::kTooLarge, fmt::format("the {} has {} x {} pixels; {} in all are allowed", format, width,
+                                           height, limits.max_area_px));
+  }
+  if (shape == Shape::kAny || width == 2 * height) return;
+  fail(ErrorCode::kUnprocessable,
+       fmt::format(
+           "an environment is an equirectangular map twice as wide as high, but this {} has {} x {} pixels; "
+           "resample it to {} x {}",
+           format, width, height, 2 * height, height));
+}
+
+void fail_damaged(std::string_view format, std::string_view what) {
+  fail(ErrorCode::kUnprocessable, fmt::format("the {} is damaged: {}", format, what));
+}
+
+Image decode_texture(const Blob& encoded, ColorSpace color_space, const DecodeLimits& limits) {
+  const ImageFormat format = sniff_image_format(encoded.bytes());
+  switch (format) {
+    case ImageFormat::kPng:
+      return decode_png(encoded.bytes(), color_space, limits);
+    case ImageFormat::kJpeg:
+      return decode_jpeg(encoded.bytes(), color_space, limits);
+    case ImageFormat::kWebp:
+      return decode_webp(encoded.bytes(), color_space, limits);
+    default:
+      break;
+  }
+  fail(ErrorCode::kUnsupportedMedia,
+       fmt::format("a texture is a PNG, JPEG or WebP file; the format of this one is {}",
+                   image_format_name(format)));
+}
+
+RepairReport repair_radiance(Image& image) {
+  const std::span<float> samples = image.samples<float>();
+  RepairReport report;
+  if (std::ranges::all_of(samples, is_sound)) return report;
+
+  const std::array<float, 3> peaks = finite_peaks(samples);
+  OriginalRows originals(image);
+  float* sample = samples.data();
+  for (int y = 0; y < image.extent.height; ++y) {
+    originals.enter(y);
+    for (int x = 0; x < image.extent.width; ++x) {
+      for (int channel = 0; channel < 3; ++channel, ++sample) {
+        if (is_sound(*sample)) continue;
+        if (std::isnan(*sample)) {
+          *sample = originals.mean_of_neighbours(x, channel);
+          ++report.nan_samples;
+        } else if (std::isinf(*sample)) {
+          *sample = *sample > 0 ? peaks[channel] : 0.0f;
+          ++report.infinite_samples;
+        } else {
+          *sample = 0;
+          ++report.negative_samples;
+        }
+      }
+    }
+  }
+  return report;
+}
+
+DecodedEnvironment decode_environment(const Blob& encoded, const DecodeLimits& limits) {
+  DecodedEnvironment environment;
+  const ImageFormat format = sniff_image_format(encoded.bytes());
+  switch (format) {
+    case ImageFormat::kHdr:
+      environment.equirect = decode_rgbe(encoded.bytes(), limits);
+      break;
+    case ImageFormat::kExr:
+      environment.equirect = decode_exr(encoded.bytes(), limits);
+      break;
+    default:
+      fail(ErrorCode::kUnsupportedMedia,
+           fmt::format("an environment is a Radiance HDR or OpenEXR file; the format of this one is {}",
+                       image_format_name(format)));
+  }
+  environment.repairs = repair_radiance(environment.equirect);
+  return environment;
+}
+
+}  // namespace furnace

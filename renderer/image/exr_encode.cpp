@@ -1,0 +1,78 @@
+#include <cstring>
+#include <string>
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
+
+#include "renderer/image/encode.hpp"
+#include "renderer/base/check.hpp"
+#include "renderer/base/error.hpp"
+
+namespace furnace {
+
+namespace {
+
+class MemoryStream : public Imf::OStream {
+ public:
+  MemoryStream() : Imf::OStream("render") {}
+
+  void write(const char bytes[], int size) override {
+    const auto count = static_cast<std::size_t>(size);
+    if (position_ + count > bytes_.size()) bytes_.resize(position_ + count);
+    std::memcpy(bytes_.data() + position_, bytes, count);
+    position_ += count;
+  }
+  std::uint64_t tellp() override { return position_; }
+  void seekp(std::uint64_t position) override {
+    position_ = position;
+  }  // back, to fill in the table of chunks
+
+  std::string take() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+  std::size_t position_ = 0;
+};
+
+}  // namespace
+
+std::string encode_exr(const Image& image, const std::vector<TextField>& metadata) {
+  static constexpr const char* kNames[4][4] = {{"Y"}, {"Y", "A"}, {"R", "G", "B"}, {"R", "G", "B", "A"}};
+  const bool is_half = image.type == SampleType::kFloat16;
+  FURNACE_CHECK(is_half || image.type == SampleType::kFloat32, "an OpenEXR of sample type {}",
+                static_cast<int>(image.type));
+  const Imf::PixelType type = is_half ? Imf::HALF : Imf::FLOAT;
+  const std::size_t sample = sample_bytes(image.type),
+                    pixel = sample * static_cast<std::size_t>(image.channels);
+  try {
+    Imf::Header header(image.extent.width, image.extent.height);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    Imf::FrameBuffer frame;
+    for (int channel = 0; channel < image.channels; ++channel) {
+      const char* const name = kNames[image.channels - 1][channel];
+      header.channels().insert(name, Imf::Channel(type));
+      // OpenEXR's slices serve reading too, hence not const.
+      char* const base = const_cast<char*>(reinterpret_cast<const char*>(image.pixels.data())) +
+                         static_cast<std::size_t>(channel) * sample;
+      frame.insert(name, Imf::Slice(type, base, pixel, image.row_bytes()));
+    }
+    for (const TextField& field : metadata) header.insert(field.key, Imf::StringAttribute(field.value));
+
+    MemoryStream stream;
+    {
+      constexpr int kNoThreads = 0;
+      Imf::OutputFile file(stream, header, kNoThreads);
+      file.setFrameBuffer(frame);
+      file.writePixels(image.extent.height);
+    }  // writes the table of chunks
+    return stream.take();
+  } catch (const std::exception& error) {
+    fail(ErrorCode::kInternal, "the picture could not be written as OpenEXR", {}, error.what());
+  }
+}
+
+}  // namespace furnace

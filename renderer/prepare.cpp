@@ -1,0 +1,98 @@
+#include "renderer/prepare.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "renderer/base/error.hpp"
+#include "renderer/ibl/baked_environment.hpp"
+
+namespace furnace {
+namespace {
+
+// Grey -> RGB by repetition, absent alpha -> opaque.
+template <class T>
+Image expand_to_rgba(const Image& image, T opaque) {
+  Image out = make_image(image.extent, 4, image.type, image.color_space);
+  const auto source = image.samples<T>();
+  const auto target = out.samples<T>();
+  const auto channels = std::size_t(image.channels);
+  const bool grey = channels <= 2, alpha = channels % 2 == 0;
+  for (std::size_t i = 0, count = std::size_t(image.extent.area()); i < count; ++i) {
+    const T* from = &source[i * channels];
+    T* to = &target[i * 4];
+    to[0] = from[0];
+    to[1] = grey ? from[0] : from[1];
+    to[2] = grey ? from[0] : from[2];
+    to[3] = alpha ? from[channels - 1] : opaque;
+  }
+  return out;
+}
+
+// GL has no 16-bit sRGB texture: eight bits of the encoded value keep what sRGB promises.
+Image narrow_to_8_bits(const Image& image) {
+  Image out = make_image(image.extent, image.channels, SampleType::kUint8, image.color_space);
+  const auto source = image.samples<std::uint16_t>();
+  const auto target = out.samples<std::uint8_t>();
+  for (std::size_t i = 0; i < source.size(); ++i) target[i] = std::uint8_t((source[i] + 128u) / 257u);
+  return out;
+}
+
+Image to_uploadable(Image image, ColorSpace color_space) {
+  if (image.type == SampleType::kUint16 && color_space == ColorSpace::kSrgb) image = narrow_to_8_bits(image);
+  if (image.channels == 4) return image;
+  return image.type == SampleType::kUint8 ? expand_to_rgba<std::uint8_t>(image, 255)
+                                          : expand_to_rgba<std::uint16_t>(image, 65535);
+}
+
+Image white_pixel() {
+  Image image = make_image({1, 1}, 4, SampleType::kUint8, ColorSpace::kNonColor);
+  std::fill(image.pixels.begin(), image.pixels.end(), std::byte{255});
+  return image;
+}
+
+// The largest power of two that brings `peak` to at most 2^15, so that bilinear sums stay finite too.
+double half_scale(double peak) {
+  constexpr double kLargest = 32768;
+  return peak <= kLargest ? 1.0 : std::exp2(std::floor(std::log2(kLargest / peak)));
+}
+
+}  // namespace
+
+PreparedPixels prepare_texture(const Blob& encoded, ColorSpace color_space, const std::string& pointer,
+                               const DecodeLimits& limits) {
+  try {
+    return {to_uploadable(decode_texture(encoded, color_space, limits), color_space), std::nullopt};
+  } catch (Error& error) {
+    error.pointer = pointer;
+    if (error.code != ErrorCode::kUnsupportedMedia) throw;
+    return {white_pixel(), Note{"texture-unsupported", pointer, error.message + "; white stands in for it"}};
+  }
+}
+
+PreparedEnvironment prepare_environment(Image radiance, const ContentHash& key, WorkerPool& pool,
+                                        const Deadline& deadline) {
+  PreparedEnvironment out;
+  out.key = key;
+  const auto shared = std::make_shared<const Image>(std::move(radiance));
+  const auto baked = bake_environment(shared, key, pool, deadline);
+  out.atlas = make_octahedral_atlas(*baked, pool);
+
+  out.sky = make_image(shared->extent, 4, SampleType::kFloat16, ColorSpace::kLinear);
+  out.sky_scale = half_scale(baked->peak);
+  const auto source = shared->samples<float>();
+  const auto target = out.sky.samples<std::uint16_t>();
+  const auto width = std::size_t(shared->extent.width);
+  const auto scale = float(out.sky_scale);
+  constexpr double kRowCostUs = 20;
+  pool.parallel_for(std::size_t(shared->extent.height), kRowCostUs, [&](std::size_t y) {
+    for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
+      for (std::size_t c = 0; c < 3; ++c) target[i * 4 + c] = half_from_float(source[i * 3 + c] * scale);
+      target[i * 4 + 3] = 0x3c00;  // 1.0
+    }
+  });
+  return out;
+}
+
+}  // namespace furnace

@@ -1,0 +1,26 @@
+// Decoded pixels in the shapes that residency uploads.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "renderer/base/worker_pool.hpp"
+#include "renderer/image/decode.hpp"
+#include "renderer/residency/prepared_scene.hpp"
+
+namespace furnace {
+
+struct PreparedPixels {
+  Image pixels;              // RGBA kUint8 or kUint16
+  std::optional<Note> note;  // when white stands in for a format that is not read
+};
+
+// Errors: kUnprocessable for damaged bytes and kTooLarge over the limits, both with `pointer` (into the model).
+PreparedPixels prepare_texture(const Blob& encoded, ColorSpace color_space, const std::string& pointer,
+                               const DecodeLimits& limits);
+
+// Bakes `radiance` (RGB kFloat32 equirect) and converts it to half floats with its own power-of-two scale.
+PreparedEnvironment prepare_environment(Image radiance, const ContentHash& key, WorkerPool& pool,
+                                        const Deadline& deadline);
+
+}  // namespace furnace

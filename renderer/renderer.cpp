@@ -1,0 +1,151 @@
+#include "renderer/renderer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "renderer/base/confined_thread.hpp"
+#include "renderer/base/error.hpp"
+#include "renderer/base/log.hpp"
+#include "renderer/frame/render_world.hpp"
+#include "renderer/scene/framing.hpp"
+#include "renderer/scene_store.hpp"
+
+namespace furnace {
+namespace {
+
+using GlThread = ConfinedThread<RenderWorld>;
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+// What came back from the GL thread: a picture, or the news that something must be done first.
+struct GlOutcome {
+  enum class Kind { kDone, kTextureEvicted, kContextLost } kind = Kind::kDone;
+  FrameResult frame;
+  double queue_ms = 0, upload_ms = 0;
+  bool upload_hit = false;
+};
+
+GlOutcome draw_on_gl_thread(RenderWorld& world, const RenderSpec& spec, const Preparation& preparation, const View& view,
+                            const Deadline& deadline) {
+  GlOutcome outcome;
+  gl::Context& context = world.context();
+  world.programs().poll_sources(context);
+  world.residency().begin_frame();
+
+  const Clock::time_point upload_start = Clock::now();
+  GpuScene scene;
+  if (!make_gpu_scene(context, world.residency(), preparation.scene, view, scene)) {
+    outcome.kind = GlOutcome::Kind::kTextureEvicted;
+    return outcome;
+  }
+  outcome.upload_ms = ms_since(upload_start);
+  outcome.upload_hit = !world.residency().uploaded();
+
+  const FramePlan plan = plan_frame(spec, context.limits());
+  outcome.frame = world.frames().render(world.residency(), plan, view, scene, *preparation.scene.environment, deadline);
+  if (context.lost()) outcome.kind = GlOutcome::Kind::kContextLost;
+  return outcome;
+}
+
+Image drop_alpha(const Image& rgba) {
+  Image rgb = make_image(rgba.extent, 3, rgba.type, rgba.color_space);
+  const std::size_t bytes = sample_bytes(rgba.type);
+  const std::byte* from = rgba.pixels.data();
+  std::byte* to = rgb.pixels.data();
+  for (std::int64_t i = 0; i < rgba.extent.area(); ++i, from += 4 * bytes, to += 3 * bytes) {
+    std::copy_n(from, 3 * bytes, to);
+  }
+  return rgb;
+}
+
+RenderSpec probe_spec() {
+  RenderSpec spec;
+  NodeSpec sphere;
+  sphere.mesh = "sphere";
+  spec.scene.nodes = {sphere};
+  spec.environment.map = EnvironmentColor{};
+  spec.output.width = spec.output.height = 16;
+  spec.output.format = OutputFormat::kExr;
+  spec.output.exr_type = SampleType::kFloat32;
+  return spec;
+}
+
+}  // namespace
+
+std::string Fingerprint::text() const { return fmt::format("{}; shaders {}; {}", build, shaders, gl); }
+
+struct Renderer::State {
+  State(const RendererConfig& config, WorkerPool& pool)
+      : resident(std::make_shared<ResidentKeys>()),
+        gl_thread("gl-0",
+                  [world_config = RenderWorldConfig{config.gl, config.shader_dir, config.gpu_cache_bytes},
+                   keys = resident] { return std::make_unique<RenderWorld>(world_config, keys); }),
+        scenes(config, pool, resident) {}
+
+  std::shared_ptr<ResidentKeys> resident;
+  GlThread gl_thread;
+  SceneStore scenes;
+  Fingerprint fingerprint;
+  gl::Limits limits;
+};
+
+Renderer::Renderer(const RendererConfig& config, WorkerPool& pool) : state_(std::make_unique<State>(config, pool)) {
+  state_->fingerprint.build = config.build_id;
+  state_->gl_thread.call(Deadline(), [&](RenderWorld& world) {
+    state_->limits = world.context().limits();
+    state_->fingerprint.gl = world.context().renderer() + " / " + world.context().version();
+    state_->fingerprint.shaders = world.programs().library().hash().hex().substr(0, 12);
+  });
+}
+
+Renderer::~Renderer() = default;
+
+Film Renderer::render(const RenderSpec& spec, const Deadline& deadline) {
+  Film film;
+  GlOutcome outcome;
+  // Twice is rare (an eviction or a reset between two steps), more is a fault.
+  constexpr int kTries = 3;
+  for (int attempt = 1;; ++attempt) {
+    Preparation preparation = state_->scenes.prepare(spec, deadline, film.times);
+    const View view =
+        make_view(spec.camera, preparation.composed->scene, {spec.output.width, spec.output.height});
+    const Clock::time_point asked = Clock::now();
+    outcome = state_->gl_thread.call(deadline, [&](RenderWorld& world) {
+      const double queue_ms = ms_since(asked);
+      GlOutcome drawn = draw_on_gl_thread(world, spec, preparation, view, deadline);
+      drawn.queue_ms = queue_ms;
+      return drawn;
+    });
+    film.notes = std::move(preparation.notes);
+    film.times.queue_ms += outcome.queue_ms;
+    film.times.upload_ms += outcome.upload_ms;
+    if (outcome.kind == GlOutcome::Kind::kDone) break;
+    if (attempt == kTries) fail(ErrorCode::kGpuUnavailable, "the GPU keeps losing this scene; try again");
+    if (outcome.kind == GlOutcome::Kind::kContextLost) {
+      log::warning("gl.lost", {{"attempt", attempt}});
+      state_->gl_thread.rebuild(deadline);
+    }
+  }
+  film.times.upload_hit = outcome.upload_hit;
+  film.times.draw_ms = outcome.frame.draw_ms;
+  film.times.readback_ms = outcome.frame.readback_ms;
+  const bool opaque = spec.environment.background != BackgroundKind::kTransparent;
+  film.image = opaque ? drop_alpha(outcome.frame.pixels) : std::move(outcome.frame.pixels);
+  return film;
+}
+
+bool Renderer::probe(const Deadline& deadline) {
+  const Film film = render(probe_spec(), deadline);
+  // A white furnace: whatever is drawn, every pixel is 1.
+  const auto pixels = film.image.samples<float>();
+  return std::all_of(pixels.begin(), pixels.end(), [](float value) { return std::abs(value - 1) <= 5e-3f; });
+}
+
+const Fingerprint& Renderer::fingerprint() const { return state_->fingerprint; }
+const gl::Limits& Renderer::limits() const { return state_->limits; }
+
+}  // namespace furnace

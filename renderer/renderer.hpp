@@ -1,0 +1,75 @@
+// The facade: a RenderSpec becomes a Film. Behind it: decoding, baking, residency, one GL thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "renderer/base/deadline.hpp"
+#include "renderer/gl/context.hpp"
+#include "renderer/image/decode.hpp"
+#include "renderer/image/image.hpp"
+#include "renderer/scene/render_spec.hpp"
+#include "renderer/scene/scene.hpp"
+
+namespace furnace {
+
+class WorkerPool;
+
+struct RendererConfig {
+  gl::ContextConfig gl;
+  std::string build_id;                            // of the program, for the fingerprint
+  std::string shader_dir;                          // empty: the shaders in the binary
+  std::int64_t scene_cache_bytes = 256ll << 20;    // parsed scenes
+  std::int64_t bake_cache_bytes = 512ll << 20;     // baked environments, CPU
+  std::int64_t gpu_cache_bytes = 1024ll << 20;     // meshes, textures, environments on the GPU, per context
+  ImportLimits import;
+  DecodeLimits texture;
+  DecodeLimits environment{8192, 8192ll * 4096};
+};
+
+// Wall times of one render's stages, milliseconds; a stage that was served from a cache has `hit` set.
+struct StageTimes {
+  double queue_ms = 0, decode_ms = 0, bake_ms = 0, upload_ms = 0, draw_ms = 0, readback_ms = 0, encode_ms = 0;
+  bool decode_hit = false, bake_hit = false, upload_hit = false;
+};
+
+// A finished picture before encoding.
+struct Film {
+  // PNG: kUint8 kSrgb, RGB (opaque background) or RGBA straight alpha. EXR: kFloat16/32 kLinear, RGB or RGBA premultiplied.
+  Image image;
+  std::vector<Note> notes;  // what was not drawn as asked
+  StageTimes times;
+};
+
+// What makes pixels besides the request: part of every ETag.
+struct Fingerprint {
+  std::string build;     // RendererConfig::build_id
+  std::string shaders;   // hash of the shader library
+  std::string gl;        // GL_RENDERER / GL_VERSION
+  std::string text() const;  // one line, for the Furnace-Fingerprint header
+};
+
+// Threads: any. Owns: the GL thread and every cache behind it.
+class Renderer {
+ public:
+  // Builds the GL context; fails with kGpuUnavailable. `pool` must outlive it.
+  Renderer(const RendererConfig& config, WorkerPool& pool);
+  ~Renderer();
+
+  // Errors: those of import, decode, bake, framing; kDeadlineExceeded; kGpuUnavailable.
+  Film render(const RenderSpec& spec, const Deadline& deadline);
+
+  // Draws a tiny built-in probe and checks its pixels; false when they are wrong.
+  bool probe(const Deadline& deadline);
+
+  const Fingerprint& fingerprint() const;
+  const gl::Limits& limits() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace furnace

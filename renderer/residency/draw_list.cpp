@@ -1,0 +1,101 @@
+#include "renderer/residency/draw_list.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace furnace {
+namespace {
+
+GLintptr aligned(std::size_t size) {
+  GLint alignment = 256;
+  glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
+  const auto step = std::size_t(std::max(alignment, 1));
+  return GLintptr((size + step - 1) / step * step);
+}
+
+template <class Block>
+gl::Buffer upload_blocks(gl::Context& context, const std::vector<Block>& blocks, GLintptr stride) {
+  std::vector<std::byte> bytes(blocks.size() * std::size_t(stride));
+  for (std::size_t i = 0; i < blocks.size(); ++i) std::memcpy(bytes.data() + i * std::size_t(stride), &blocks[i], sizeof(Block));
+  return gl::create_buffer(context, bytes.data(), bytes.size());
+}
+
+gl::FeatureSet material_features(const Material& material, double first_level_roughness) {
+  gl::FeatureSet features = 0;
+  if (material.alpha_mode == AlphaMode::kMask) features |= gl::kFeatureAlphaMask;
+  if (material.alpha_mode == AlphaMode::kBlend) features |= gl::kFeatureAlphaBlend;
+  const bool maps = material.base_color_texture || material.metallic_roughness_texture || material.occlusion_texture ||
+                    material.emissive_texture;
+  if (maps) features |= gl::kFeatureMaterialMaps;
+  if (material.unlit) return features | gl::kFeatureUnlit;
+  if (material.normal_texture) features |= gl::kFeatureNormalMap;
+  if (material.metallic_roughness_texture || material.perceptual_roughness < first_level_roughness) {
+    features |= gl::kFeatureSharpReflection;
+  }
+  return features;
+}
+
+}  // namespace
+
+bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedScene& scene, const View& view,
+                    GpuScene& out) {
+  out.environment = residency.environment(*scene.environment);
+
+  std::vector<const GpuTexture*> textures;
+  for (const PreparedTexture& texture : scene.textures) {
+    textures.push_back(residency.texture(texture));
+    if (textures.back() == nullptr) return false;
+  }
+
+  std::vector<gpu::MaterialBlock> material_blocks;
+  for (const Material& material : scene.materials) {
+    GpuMaterial gpu_material;
+    for (int i = 0; i < gpu::kSlotCount; ++i) {
+      const auto& slot = material.*gpu::kMaterialSlots[i];
+      gpu_material.textures[std::size_t(i)] =
+          slot ? textures[std::size_t(slot->image)]->texture.id() : residency.neutral_texture();
+      gpu_material.samplers[std::size_t(i)] = residency.samplers().get(context, slot ? slot->sampler : SamplerDesc{});
+    }
+    gpu_material.features =
+        material_features(material, scene.environment->atlas.level_roughness.front());
+    gpu_material.alpha_mode = material.alpha_mode;
+    gpu_material.double_sided = material.double_sided;
+    out.materials.push_back(gpu_material);
+    material_blocks.push_back(gpu::pack_material(material));
+  }
+
+  std::vector<gpu::DrawBlock> draw_blocks;
+  for (const Instance& instance : scene.instances) {
+    const PreparedMesh& mesh = scene.meshes[std::size_t(instance.mesh)];
+    const GpuMaterial& material = out.materials[std::size_t(instance.material)];
+    Draw draw;
+    draw.mesh = residency.mesh(mesh);
+    draw.material = instance.material;
+    draw.block = int(draw_blocks.size());
+    draw.features = material.features;
+    // glTF 2.0, 3.7.2.1: points and lines without normals are not lit.
+    if (mesh.mesh->normals.empty()) draw.features |= gl::kFeatureUnlit;
+    if (mesh.mesh->tangents.empty()) draw.features &= ~gl::FeatureSet(gl::kFeatureNormalMap);
+    if (draw.features & gl::kFeatureUnlit) {
+      draw.features &= ~gl::FeatureSet(gl::kFeatureSharpReflection | gl::kFeatureNormalMap);
+    }
+    draw_blocks.push_back(gpu::pack_draw(instance.world_from_model));
+    draw.mirrored = draw_blocks.back().handedness < 0;
+    const glm::vec3 centre = (mesh.mesh->bounds.min + mesh.mesh->bounds.max) * 0.5f;
+    draw.distance = glm::distance(view.eye, glm::vec3(instance.world_from_model * glm::vec4(centre, 1)));
+    (material.alpha_mode == AlphaMode::kBlend ? out.blended : out.opaque).push_back(draw);
+  }
+  // Stable: equal distances keep the document's order.
+  std::stable_sort(out.opaque.begin(), out.opaque.end(),
+                   [](const Draw& a, const Draw& b) { return a.distance < b.distance; });
+  std::stable_sort(out.blended.begin(), out.blended.end(),
+                   [](const Draw& a, const Draw& b) { return a.distance > b.distance; });
+
+  out.draw_stride = aligned(sizeof(gpu::DrawBlock));
+  out.material_stride = aligned(sizeof(gpu::MaterialBlock));
+  out.draw_blocks = upload_blocks(context, draw_blocks, out.draw_stride);
+  out.material_blocks = upload_blocks(context, material_blocks, out.material_stride);
+  return true;
+}
+
+}  // namespace furnace

@@ -1,0 +1,46 @@
+// Instances -> sorted draws with their exact shader features, and the buffers they read.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "renderer/gl/feature_set.hpp"
+#include "renderer/residency/gpu_blocks.hpp"
+#include "renderer/residency/residency.hpp"
+#include "renderer/scene/framing.hpp"
+
+namespace furnace {
+
+struct GpuMaterial {
+  std::array<GLuint, gpu::kSlotCount> textures{};
+  std::array<GLuint, gpu::kSlotCount> samplers{};
+  gl::FeatureSet features = 0;
+  AlphaMode alpha_mode = AlphaMode::kOpaque;
+  bool double_sided = false;
+};
+
+struct Draw {
+  const GpuMesh* mesh = nullptr;
+  int material = 0;       // index into GpuScene::materials
+  int block = 0;          // index into draw_blocks
+  gl::FeatureSet features = 0;
+  bool mirrored = false;  // negative determinant: front faces wind the other way
+  float distance = 0;     // m, eye to the centre of the bounds
+};
+
+// A scene on the GPU, ready to be drawn; its pointers live as long as the frame.
+// Threads: the context's. Owns: its block buffers.
+struct GpuScene {
+  std::vector<Draw> opaque;   // and masked, nearest first
+  std::vector<Draw> blended;  // farthest first
+  std::vector<GpuMaterial> materials;
+  gl::Buffer draw_blocks, material_blocks;
+  GLintptr draw_stride = 0, material_stride = 0;
+  const GpuEnvironment* environment = nullptr;
+};
+
+// Makes everything resident. False when a texture must be decoded first (evicted since it was looked up).
+bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedScene& scene, const View& view,
+                    GpuScene& out);
+
+}  // namespace furnace

@@ -1,0 +1,42 @@
+// A scene with everything decoded and baked: what the CPU side hands to the GL thread. Immutable values, no GL.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "renderer/base/content_hash.hpp"
+#include "renderer/ibl/octahedral_atlas.hpp"
+#include "renderer/scene/scene.hpp"
+
+namespace furnace {
+
+struct PreparedMesh {
+  ContentHash key;                   // of the mesh's source and place in it
+  std::shared_ptr<const Mesh> mesh;  // shares its scene's life
+};
+
+struct PreparedTexture {
+  ContentHash key;  // of the encoded bytes and the colour space
+  // RGBA kUint8 or kUint16; null when it was resident on the GPU a moment ago, so nothing was decoded.
+  std::shared_ptr<const Image> pixels;
+};
+
+// One environment in the shape the GPU takes. Values are radiance * scale, the scale a power of two.
+struct PreparedEnvironment {
+  ContentHash key;
+  Image sky;  // RGBA kFloat16: the environment itself
+  double sky_scale = 1;
+  OctahedralAtlas atlas;
+
+  std::size_t byte_size() const { return sky.byte_size() + atlas.texels.byte_size(); }
+};
+
+struct PreparedScene {
+  std::vector<PreparedMesh> meshes;
+  std::vector<Material> materials;  // TextureSlot::image is an index into `textures`
+  std::vector<PreparedTexture> textures;
+  std::vector<Instance> instances;
+  std::shared_ptr<const PreparedEnvironment> environment;
+};
+
+}  // namespace furnace

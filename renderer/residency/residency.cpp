@@ -1,0 +1,93 @@
+#include "renderer/residency/residency.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "renderer/ibl/dfg.hpp"
+
+namespace furnace {
+namespace {
+
+constexpr int kDfgSize = 128;
+
+gl::Texture make_neutral(gl::Context& context) {
+  Image white = make_image({1, 1}, 4, SampleType::kUint8, ColorSpace::kNonColor);
+  std::fill(white.pixels.begin(), white.pixels.end(), std::byte{255});
+  return gl::upload_texture(context, white, false);
+}
+
+gl::Texture make_dfg(gl::Context& context) {
+  const DfgTable table = compute_dfg_table(kDfgSize);
+  Image image = make_image({table.size, table.size}, 4, SampleType::kFloat32, ColorSpace::kNonColor);
+  static_assert(sizeof(DfgTexel) == 4 * sizeof(float));
+  std::memcpy(image.pixels.data(), table.texels.data(), image.pixels.size());
+  return gl::upload_texture(context, image, false);
+}
+
+}  // namespace
+
+bool ResidentKeys::contains(const ContentHash& key) const {
+  const std::lock_guard lock(mutex_);
+  return keys_.contains(key);
+}
+void ResidentKeys::insert(const ContentHash& key) {
+  const std::lock_guard lock(mutex_);
+  keys_.insert(key);
+}
+void ResidentKeys::erase(const ContentHash& key) {
+  const std::lock_guard lock(mutex_);
+  keys_.erase(key);
+}
+
+Residency::Residency(gl::Context& context, std::int64_t budget_bytes, std::shared_ptr<ResidentKeys> keys)
+    : context_(context),
+      budget_bytes_(budget_bytes),
+      keys_(std::move(keys)),
+      meshes_(total_bytes_, *keys_),
+      textures_(total_bytes_, *keys_),
+      environments_(total_bytes_, *keys_),
+      neutral_(make_neutral(context)),
+      dfg_(make_dfg(context)) {}
+
+Residency::~Residency() {
+  // A rebuilt context starts with nothing.
+  meshes_.clear();
+  textures_.clear();
+  environments_.clear();
+}
+
+void Residency::begin_frame() {
+  ++frame_;
+  uploaded_ = false;
+  while (total_bytes_ > budget_bytes_) {
+    const std::uint64_t oldest = std::min({meshes_.oldest(frame_), textures_.oldest(frame_), environments_.oldest(frame_)});
+    if (oldest == frame_) break;
+    meshes_.evict(oldest);
+    textures_.evict(oldest);
+    environments_.evict(oldest);
+  }
+}
+
+const GpuMesh* Residency::mesh(const PreparedMesh& mesh) {
+  if (const GpuMesh* known = meshes_.find(mesh.key, frame_)) return known;
+  uploaded_ = true;
+  return meshes_.insert(mesh.key, frame_, upload_mesh(context_, *mesh.mesh));
+}
+
+const GpuTexture* Residency::texture(const PreparedTexture& texture) {
+  if (const GpuTexture* known = textures_.find(texture.key, frame_)) return known;
+  if (texture.pixels == nullptr) return nullptr;
+  uploaded_ = true;
+  GpuTexture gpu{gl::upload_texture(context_, *texture.pixels, true), texture.pixels->byte_size() * 4 / 3};
+  return textures_.insert(texture.key, frame_, std::move(gpu));
+}
+
+const GpuEnvironment* Residency::environment(const PreparedEnvironment& environment) {
+  if (const GpuEnvironment* known = environments_.find(environment.key, frame_)) return known;
+  uploaded_ = true;
+  GpuEnvironment gpu{gl::upload_texture(context_, environment.sky, true),
+                     gl::upload_texture(context_, environment.atlas.texels, false), environment.byte_size()};
+  return environments_.insert(environment.key, frame_, std::move(gpu));
+}
+
+}  // namespace furnace

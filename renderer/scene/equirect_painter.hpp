@@ -1,0 +1,58 @@
+// What the procedural environments share: directions, solid angles and the rounding of an equirect's texels.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "renderer/image/image.hpp"
+#include "renderer/scene/transform.hpp"
+
+namespace furnace {
+
+// Veltkamp's splitting (Dekker 1971, "A floating-point technique for extending the available precision"): the
+// nearest double with 11 significant bits, those of a normal half float.
+inline double round_to_half_precision(double value) {
+  constexpr double kSplit = 0x1p42 + 1;
+  const double scaled = value * kSplit;
+  return scaled - (scaled - value);
+}
+
+// Directions of texel centres in the convention of ibl/baked_environment.hpp.
+struct EquirectGrid {
+  Extent extent;
+  std::vector<double> sin_theta, cos_theta;  // rows; theta from +Y
+  std::vector<double> cos_phi, sin_phi;      // columns; phi from +X towards +Z
+
+  explicit EquirectGrid(Extent size);
+
+  glm::dvec3 direction(int row, int column) const {
+    return {sin_theta[row] * cos_phi[column], cos_theta[row], sin_theta[row] * sin_phi[column]};
+  }
+  // Exact solid angle of a texel of this row, steradians.
+  double texel_sr(int row) const;
+};
+
+// RGB kFloat32; paint(row, radiance) fills one row of a std::vector<glm::dvec3>.
+template <class PaintRow>
+Image paint_equirect(Extent extent, PaintRow&& paint) {
+  Image image = make_image(extent, 3, SampleType::kFloat32, ColorSpace::kLinear);
+  std::vector<glm::dvec3> radiance(extent.width);
+  float* sample = image.samples<float>().data();
+  for (int row = 0; row < extent.height; ++row) {
+    paint(row, radiance);
+    for (const glm::dvec3& texel : radiance)
+      for (int channel = 0; channel < 3; ++channel)
+        *sample++ = float(round_to_half_precision(texel[channel]));
+  }
+  return image;
+}
+
+// The unit vector of a compass: azimuth 0 is +Z, pi/2 is +X (as OrbitCamera's), elevation towards +Y.
+inline glm::dvec3 direction_of(double azimuth_rad, double elevation_rad) {
+  return {std::sin(azimuth_rad) * std::cos(elevation_rad), std::sin(elevation_rad),
+          std::cos(azimuth_rad) * std::cos(elevation_rad)};
+}
+
+}  // namespace furnace

@@ -1,0 +1,59 @@
+// The bytes behind a document, and accessors decoded into plain arrays: strides, normalised integers, sparse
+// values.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "renderer/scene/gltf_document.hpp"
+
+namespace furnace {
+
+// Threads: one. Owns: decoded data: URIs and shares of the bundle's bytes; the document must outlive it.
+class GltfData {
+ public:
+  // Errors: kUnprocessable for a buffer that is missing, shorter than declared, or has a bad URI.
+  GltfData(const GltfDocument& document, const ModelBundle& bundle, const ImportLimits& limits);
+
+  const GltfAccessor& accessor(int index) const {
+    return document_.accessors[static_cast<std::size_t>(index)];
+  }
+  // A part of the bundle's own bytes, not a copy.
+  Blob view_blob(int buffer_view) const;
+
+  // Floats, normalised integers converted; V has as many components as the accessor's type, or more (left as
+  // `fill`).
+  template <class V>
+  std::vector<V> read_vectors(int accessor_index, V fill = V(0)) const {
+    std::vector<V> result(static_cast<std::size_t>(accessor(accessor_index).count), fill);
+    read_floats(accessor_index, reinterpret_cast<float*>(result.data()), sizeof(V) / sizeof(float));
+    return result;
+  }
+  std::vector<glm::mat4> read_matrices(int accessor_index) const;
+  std::vector<glm::uvec4> read_joints(int accessor_index) const;
+  std::vector<std::uint32_t> read_indices(int accessor_index) const;
+
+ private:
+  struct Buffer {
+    Blob owner;
+    ByteRange range;
+    bool present = false;
+  };
+
+  Buffer find_buffer(std::size_t index, const ModelBundle& bundle) const;
+  std::span<const std::byte> view_bytes(int buffer_view) const;
+  void read_floats(int accessor_index, float* target, std::size_t target_components) const;
+  template <class Out>
+  void read_elements(int accessor_index, Out* target, std::size_t target_components) const;
+  std::vector<std::uint32_t> read_sparse_indices(int accessor_index) const;
+
+  const GltfDocument& document_;
+  std::vector<Buffer> buffers_;
+};
+
+}  // namespace furnace

@@ -1,0 +1,156 @@
+// A glTF 2.0 document as typed values: types, references, ranges of accessors and the node hierarchy are
+// sound once it is read. What no picture needs (animations, extras, unknown extensions) is not here.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "renderer/base/blob.hpp"
+#include "renderer/scene/gltf_container.hpp"
+#include "renderer/scene/gltf_import.hpp"
+#include "renderer/scene/material.hpp"
+#include "renderer/scene/scene.hpp"
+
+namespace furnace {
+
+enum class ComponentType : std::uint16_t {
+  kByte = 5120,
+  kUnsignedByte = 5121,
+  kShort = 5122,
+  kUnsignedShort = 5123,
+  kUnsignedInt = 5125,
+  kFloat = 5126,
+};
+enum class ElementType : std::uint8_t { kScalar, kVec2, kVec3, kVec4, kMat2, kMat3, kMat4 };
+
+std::size_t component_bytes(ComponentType type);
+int component_count(ElementType type);
+std::size_t element_bytes(ElementType type,
+                          ComponentType component);
+// Bytes from the first element to the end of the last: `count` elements `stride` bytes apart.
+std::uint64_t span_bytes(std::uint64_t count, std::uint64_t stride, ElementType type, ComponentType component);  // with the column padding of small matrices
+
+struct GltfBuffer {
+  std::string uri;  // as written; empty: the BIN chunk, or nothing
+  bool has_uri = false;
+  std::uint64_t byte_length = 0;
+};
+
+struct GltfBufferView {
+  int buffer = 0;
+  std::uint64_t byte_offset = 0;
+  std::uint64_t byte_length = 0;
+  std::uint64_t byte_stride = 0;  // 0: tightly packed
+};
+
+struct GltfSparse {
+  std::uint64_t count = 0;
+  int indices_view = 0;
+  std::uint64_t indices_offset = 0;
+  ComponentType indices_type = ComponentType::kUnsignedInt;
+  int values_view = 0;
+  std::uint64_t values_offset = 0;
+};
+
+struct GltfAccessor {
+  std::optional<int> buffer_view;  // none: zeros
+  std::uint64_t byte_offset = 0;
+  ComponentType component = ComponentType::kFloat;
+  ElementType type = ElementType::kScalar;
+  bool normalized = false;
+  std::uint64_t count = 0;
+  std::optional<GltfSparse> sparse;
+};
+
+struct GltfImage {
+  std::string uri;  // as written
+  std::optional<int> buffer_view;
+};
+
+struct GltfTexture {
+  std::optional<int> image;
+  SamplerDesc sampler;
+};
+
+struct GltfTextureRef {
+  int texture = 0;
+  int uv_set = 0;
+  UvTransform transform;
+  std::string pointer;
+};
+
+struct GltfMaterial {
+  Material values;  // without textures
+  std::optional<GltfTextureRef> base_color, metallic_roughness, normal, occlusion, emissive;
+  std::vector<Note> notes;
+};
+
+using GltfAttributes = std::map<std::string, int>;  // semantic -> accessor
+
+struct GltfPrimitive {
+  GltfAttributes attributes;
+  std::optional<int> indices;
+  std::optional<int> material;
+  int mode = 4;
+  std::vector<GltfAttributes> targets;
+};
+
+struct GltfMesh {
+  std::string name;
+  std::vector<GltfPrimitive> primitives;
+  std::vector<double> weights;
+};
+
+struct GltfSkin {
+  std::vector<int> joints;
+  std::optional<int> inverse_bind_matrices;
+};
+
+struct GltfNode {
+  std::string name;
+  std::vector<int> children;
+  int parent = -1;
+  std::optional<int> mesh, skin, camera;
+  std::vector<double> weights;
+  std::optional<glm::dmat4> matrix;  // else the three below
+  glm::dvec3 translation{0};
+  glm::dquat rotation{1, 0, 0, 0};
+  glm::dvec3 scale{1};
+};
+
+struct GltfScene {
+  std::vector<int> nodes;
+};
+
+struct GltfDocument {
+  std::vector<std::string> extensions_used;
+  std::vector<GltfBuffer> buffers;
+  std::vector<GltfBufferView> buffer_views;
+  std::vector<GltfAccessor> accessors;
+  std::vector<GltfImage> images;
+  std::vector<GltfTexture> textures;
+  std::vector<GltfMaterial> materials;
+  std::vector<GltfMesh> meshes;
+  std::vector<GltfSkin> skins;
+  std::vector<CameraNode> cameras;  // world_from_view is the node's to fill in
+  std::vector<GltfNode> nodes;
+  std::vector<GltfScene> scenes;
+  std::optional<int> default_scene;
+  std::optional<ByteRange> binary;  // the GLB's BIN chunk, in the document's bytes
+
+  bool uses_extension(std::string_view name) const;
+};
+
+// Errors: kUnprocessable with a pointer, kTooLarge for a limit.
+GltfDocument read_gltf_document(const Blob& bytes, const ImportLimits& limits);
+
+}  // namespace furnace

@@ -1,0 +1,319 @@
+#include "renderer/scene/gltf_import.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "renderer/base/error.hpp"
+#include "renderer/scene/gltf_deform.hpp"
+#include "renderer/scene/gltf_material.hpp"
+#include "renderer/scene/gltf_pose.hpp"
+#include "renderer/scene/gltf_primitive.hpp"
+#include "renderer/scene/gltf_surface.hpp"
+
+namespace furnace {
+
+namespace {
+
+constexpr std::array<std::string_view, 4> kSupportedExtensions{
+    "KHR_materials_emissive_strength",  // gltf_read_material.cpp
+    "KHR_materials_unlit",              // gltf_read_material.cpp
+    "KHR_mesh_quantization",            // gltf_primitive.cpp
+    "KHR_texture_transform",            // gltf_read_material.cpp
+};
+
+bool is_supported(std::string_view extension) {
+  return std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), extension) !=
+         kSupportedExtensions.end();
+}
+
+// What can be checked without the bytes of any buffer, for drawn and undrawn things alike.
+void check_document(const GltfDocument& document) {
+  for (int mesh = 0; mesh < static_cast<int>(document.meshes.size()); ++mesh) {
+    const auto primitives =
+        static_cast<int>(document.meshes[static_cast<std::size_t>(mesh)].primitives.size());
+    for (int primitive = 0; primitive < primitives; ++primitive) check_primitive(document, {mesh, primitive});
+  }
+  for (int skin = 0; skin < static_cast<int>(document.skins.size()); ++skin) check_skin(document, skin);
+  for (std::size_t i = 0; i < document.nodes.size(); ++i) {
+    const GltfNode& node = document.nodes[i];
+    if (!node.mesh || node.weights.empty()) continue;
+    const GltfMesh& mesh = document.meshes[static_cast<std::size_t>(*node.mesh)];
+    const std::size_t targets = mesh.primitives.empty() ? 0 : mesh.primitives.front().targets.size();
+    if (node.weights.size() == targets) continue;
+    fail(ErrorCode::kUnprocessable, "must have one number per morph target, " + std::to_string(targets),
+         "/nodes/" + std::to_string(i) + "/weights");
+  }
+}
+
+GltfDocument read_checked(const Blob& bytes, const ImportLimits& limits) {
+  GltfDocument document = read_gltf_document(bytes, limits);
+  check_document(document);
+  return document;
+}
+
+// Turns one scene of a document into a Scene. Threads: one. Owns: the scene in the making.
+class Importer {
+ public:
+  Importer(const ModelBundle& bundle, const ImportLimits& limits, const Deadline& deadline)
+      : limits_(limits),
+        deadline_(deadline),
+        document_(read_checked(bundle.document, limits)),
+        data_(document_, bundle, limits),
+        materials_(document_, data_, bundle, scene_, notes_) {}
+
+  Scene import(const ModelBundle& bundle, const ImportOptions& options);
+
+ private:
+  std::vector<int> root_nodes(int wanted_scene) const;
+  std::vector<int> nodes_in_order(const std::vector<int>& roots) const;
+  void note_ignored_extensions();
+  void add_cameras(const std::vector<int>& nodes);
+  void add_mesh(int node_index);
+  std::optional<Instance> shared_primitive(const GltfPrimitiveRef& ref);
+  std::optional<Instance> import_primitive(const GltfPrimitiveRef& ref, const std::vector<double>& weights,
+                                           const std::vector<glm::dmat4>* joints);
+  void check_size(const GltfPrimitiveRef& ref) const;
+  void count_mesh(const Mesh& mesh, const GltfPrimitiveRef& ref);
+  void add_instance(Instance instance, int node_index, const glm::dmat4& world_from_model);
+
+  const ImportLimits& limits_;
+  const Deadline& deadline_;
+  GltfNotes notes_;
+  Scene scene_;
+  GltfDocument document_;
+  GltfData data_;
+  GltfMaterials materials_;
+  std::vector<glm::dmat4> world_from_node_;
+  std::map<GltfPrimitiveRef, std::optional<Instance>> shared_;  // meshes as they are for every plain node
+  std::int64_t vertices_ = 0, mesh_bytes_ = 0, elements_drawn_ = 0;
+};
+
+Scene Importer::import(const ModelBundle& bundle, const ImportOptions& options) {
+  note_ignored_extensions();
+  world_from_node_ = world_transforms(document_, notes_);
+  const std::vector<int> nodes = nodes_in_order(root_nodes(options.scene));
+  for (const int node : nodes) {
+    if (document_.nodes[static_cast<std::size_t>(node)].mesh) add_mesh(node);
+  }
+  add_cameras(nodes);
+  if (scene_.materials.empty()) scene_.materials.push_back(default_material());
+  scene_.hash = HashBuilder().add(bundle.hash).add(std::int64_t{options.scene}).finish();
+  scene_.notes = notes_.take();
+  return std::move(scene_);
+}
+
+void Importer::note_ignored_extensions() {
+  for (std::size_t i = 0; i < document_.extensions_used.size(); ++i) {
+    const std::string& name = document_.extensions_used[i];
+    if (is_supported(name)) continue;
+    notes_.add("extension-ignored", "/extensionsUsed/" + std::to_string(i),
+               name + " is not supported and was ignored");
+  }
+}
+
+std::vector<int> Importer::root_nodes(int wanted_scene) const {
+  const int count = static_cast<int>(document_.scenes.size());
+  if (wanted_scene >= count) {
+    fail(ErrorCode::kUnprocessable,
+         "scene " + std::to_string(wanted_scene) + " does not exist, there are " + std::to_string(count),
+         "/scenes");
+  }
+  if (wanted_scene < 0) wanted_scene = document_.default_scene.value_or(0);
+  if (count > 0) return document_.scenes[static_cast<std::size_t>(wanted_scene)].nodes;
+  std::vector<int> roots;
+  for (std::size_t i = 0; i < document_.nodes.size(); ++i) {
+    if (document_.nodes[i].parent < 0) roots.push_back(static_cast<int>(i));
+  }
+  return roots;
+}
+
+// Parents before children, siblings in the file's order.
+std::vector<int> Importer::nodes_in_order(const std::vector<int>& roots) const {
+  std::vector<int> order;
+  std::vector<int> open(roots.rbegin(), roots.rend());
+  while (!open.empty()) {
+    const int node = open.back();
+    open.pop_back();
+    order.push_back(node);
+    const std::vector<int>& children = document_.nodes[static_cast<std::size_t>(node)].children;
+    open.insert(open.end(), children.rbegin(), children.rend());
+  }
+  return order;
+}
+
+// In the order of the document's cameras, so that an index means what it says when each is used once.
+void Importer::add_cameras(const std::vector<int>& nodes) {
+  std::vector<std::pair<int, int>> placed;  // camera, node
+  for (const int node : nodes) {
+    if (const auto camera = document_.nodes[static_cast<std::size_t>(node)].camera)
+      placed.emplace_back(*camera, node);
+  }
+  std::stable_sort(placed.begin(), placed.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [camera_index, node_index] : placed) {
+    CameraNode camera = document_.cameras[static_cast<std::size_t>(camera_index)];
+    if (camera.name.empty()) camera.name = document_.nodes[static_cast<std::size_t>(node_index)].name;
+    camera.world_from_view = camera_transform(world_from_node_[static_cast<std::size_t>(node_index)]);
+    scene_.cameras.push_back(std::move(camera));
+  }
+}
+
+void Importer::add_mesh(int node_index) {
+  const GltfNode& node = document_.nodes[static_cast<std::size_t>(node_index)];
+  const GltfMesh& mesh = document_.meshes[static_cast<std::size_t>(*node.mesh)];
+  const glm::dmat4& world_from_model = world_from_node_[static_cast<std::size_t>(node_index)];
+  std::vector<glm::dmat4> joints;
+  if (node.skin) joints = skin_transforms(document_, data_, *node.skin, world_from_node_);
+
+  for (int i = 0; i < static_cast<int>(mesh.primitives.size()); ++i) {
+    const GltfPrimitiveRef ref{*node.mesh, i};
+    const bool skinned = node.skin && primitive_of(document_, ref).attributes.contains("JOINTS_0");
+    if (node.skin && !skinned) {
+      notes_.add("skin-ignored", "/nodes/" + std::to_string(node_index) + "/skin",
+                 "its mesh has no JOINTS_0; the node's own transform was used");
+    }
+    const bool own = skinned || !node.weights.empty();
+    const std::vector<double>& weights = node.weights.empty() ? mesh.weights : node.weights;
+    std::optional<Instance> instance =
+        own ? import_primitive(ref, weights, skinned ? &joints : nullptr) : shared_primitive(ref);
+    // glTF 2.0, section 3.7.3.3: only the joints place a skinned mesh.
+    if (instance) add_instance(std::move(*instance), node_index, skinned ? glm::dmat4(1) : world_from_model);
+  }
+}
+
+std::optional<Instance> Importer::shared_primitive(const GltfPrimitiveRef& ref) {
+  const auto known = shared_.find(ref);
+  if (known != shared_.end()) return known->second;
+  const auto instance =
+      import_primitive(ref, document_.meshes[static_cast<std::size_t>(ref.mesh)].weights, nullptr);
+  shared_.emplace(ref, instance);
+  return instance;
+}
+
+std::optional<Instance> Importer::import_primitive(const GltfPrimitiveRef& ref,
+                                                   const std::vector<double>& weights,
+                                                   const std::vector<glm::dmat4>* joints) {
+  check_deadline(deadline_, "import");
+  if (!is_drawable(document_, ref, notes_)) return std::nullopt;
+  check_size(ref);
+
+  GltfVertices vertices = read_primitive_vertices(document_, data_, ref, joints != nullptr, notes_);
+  if (vertices.mesh.indices.empty()) {
+    notes_.add("primitive-skipped", ref.pointer(), "has only degenerate lines or triangles and was left out");
+    return std::nullopt;
+  }
+  apply_morph_targets(document_, data_, ref, weights, vertices.mesh);
+  if (joints) apply_skin(vertices, *joints, ref.pointer() + "/attributes", notes_);
+
+  Instance instance;
+  instance.material = materials_.scene_material(primitive_of(document_, ref).material);
+  complete_surface(vertices.mesh, scene_.materials[static_cast<std::size_t>(instance.material)],
+                   ref.pointer(), notes_);
+  count_mesh(vertices.mesh, ref);
+  instance.mesh = static_cast<int>(scene_.meshes.size());
+  scene_.meshes.push_back(std::move(vertices.mesh));
+  return instance;
+}
+
+// Before a primitive is read: it alone must not exceed what all may take.
+void Importer::check_size(const GltfPrimitiveRef& ref) const {
+  const GltfPrimitiveSize size = primitive_size(document_, ref);
+  if (size.vertices > static_cast<std::uint64_t>(limits_.max_vertices)) {
+    fail(ErrorCode::kTooLarge, "more than " + std::to_string(limits_.max_vertices) + " vertices",
+         ref.pointer());
+  }
+  if (size.elements > static_cast<std::uint64_t>(limits_.max_triangles)) {
+    fail(ErrorCode::kTooLarge, "more than " + std::to_string(limits_.max_triangles) + " triangles",
+         ref.pointer());
+  }
+  if (size.bytes > static_cast<std::uint64_t>(limits_.max_mesh_bytes)) {
+    fail(ErrorCode::kTooLarge, "takes more than " + std::to_string(limits_.max_mesh_bytes) + " bytes",
+         ref.pointer());
+  }
+}
+
+void Importer::count_mesh(const Mesh& mesh, const GltfPrimitiveRef& ref) {
+  vertices_ += static_cast<std::int64_t>(mesh.positions.size());
+  mesh_bytes_ += static_cast<std::int64_t>(mesh.byte_size());
+  if (vertices_ > limits_.max_vertices) {
+    fail(ErrorCode::kTooLarge,
+         "the model has more than " + std::to_string(limits_.max_vertices) + " vertices", ref.pointer());
+  }
+  if (mesh_bytes_ > limits_.max_mesh_bytes) {
+    fail(ErrorCode::kTooLarge,
+         "the model's meshes take more than " + std::to_string(limits_.max_mesh_bytes) + " bytes",
+         ref.pointer());
+  }
+}
+
+void Importer::add_instance(Instance instance, int node_index, const glm::dmat4& world_from_model) {
+  const std::string pointer = "/nodes/" + std::to_string(node_index);
+  const Mesh& mesh = scene_.meshes[static_cast<std::size_t>(instance.mesh)];
+  const std::size_t corners = mesh.topology == Topology::kPoints  ? 1
+                              : mesh.topology == Topology::kLines ? 2
+                                                                  : 3;
+  elements_drawn_ += static_cast<std::int64_t>(mesh.indices.size() / corners);
+  if (elements_drawn_ > limits_.max_triangles) {
+    fail(ErrorCode::kTooLarge,
+         "the scene draws more than " + std::to_string(limits_.max_triangles) + " triangles", pointer);
+  }
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec4 point(corner & 1 ? mesh.bounds.max.x : mesh.bounds.min.x,
+                           corner & 2 ? mesh.bounds.max.y : mesh.bounds.min.y,
+                           corner & 4 ? mesh.bounds.max.z : mesh.bounds.min.z, 1);
+    const glm::vec3 world(world_from_model * point);
+    if (std::isfinite(world.x) && std::isfinite(world.y) && std::isfinite(world.z)) continue;
+    fail(ErrorCode::kUnprocessable, "places its mesh beyond single precision", pointer);
+  }
+  instance.world_from_model = glm::mat4(world_from_model);
+  instance.node_name = document_.nodes[static_cast<std::size_t>(node_index)].name;
+  scene_.instances.push_back(std::move(instance));
+}
+
+// Appends the decoded URI of one buffer or image, unless it is a data: one or known.
+void add_external_uri(const std::string& uri, const std::string& pointer, std::set<std::string>& seen,
+                      std::vector<std::string>& uris) {
+  if (is_data_uri(uri)) return;
+  std::string path = decode_relative_uri(uri, pointer);
+  if (seen.insert(path).second) uris.push_back(std::move(path));
+}
+
+}  // namespace
+
+void ModelBundle::seal() {
+  HashBuilder builder;
+  builder.add(document.hash());
+  for (const auto& [uri, blob] : siblings) builder.add(uri).add(blob.hash());
+  hash = builder.finish();
+}
+
+std::vector<std::string> gltf_external_uris(const Blob& bytes, const ImportLimits& limits) {
+  const GltfDocument document = read_gltf_document(bytes, limits);
+  std::set<std::string> seen;
+  std::vector<std::string> uris;
+  for (std::size_t i = 0; i < document.buffers.size(); ++i) {
+    const GltfBuffer& buffer = document.buffers[i];
+    if (buffer.has_uri) add_external_uri(buffer.uri, "/buffers/" + std::to_string(i) + "/uri", seen, uris);
+  }
+  for (std::size_t i = 0; i < document.images.size(); ++i) {
+    const GltfImage& image = document.images[i];
+    if (!image.buffer_view) add_external_uri(image.uri, "/images/" + std::to_string(i) + "/uri", seen, uris);
+  }
+  return uris;
+}
+
+Scene import_gltf(const ModelBundle& bundle, const ImportOptions& options, const ImportLimits& limits,
+                  const Deadline& deadline) {
+  return Importer(bundle, limits, deadline).import(bundle, options);
+}
+
+std::vector<std::string_view> supported_gltf_extensions() {
+  return {kSupportedExtensions.begin(), kSupportedExtensions.end()};
+}
+
+}  // namespace furnace

@@ -1,0 +1,56 @@
+// glTF 2.0 (.glb, .gltf) -> Scene. Every index, range and type of the document is checked before use; every
+// error says where, by a JSON pointer into the model's document.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "renderer/base/blob.hpp"
+#include "renderer/base/deadline.hpp"
+#include "renderer/scene/scene.hpp"
+
+namespace furnace {
+
+// A model with everything it refers to, already in memory: importing does no I/O.
+struct ModelBundle {
+  Blob document;                         // .glb or .gltf bytes
+  std::map<std::string, Blob> siblings;  // by URI as written in the document, percent-decoded
+  ContentHash hash;                      // of the document and all siblings
+
+  void seal();  // computes `hash`
+};
+
+struct ImportLimits {
+  std::int64_t max_triangles = 20'000'000;  // points, lines and triangles drawn, every instance counted
+  std::int64_t max_vertices = 30'000'000;
+  int max_nodes = 100'000;
+  int max_node_depth = 4096;
+  std::int64_t max_json_bytes = 64ll << 20;
+  std::int64_t max_buffer_bytes = 1ll << 30;  // all buffers together
+  std::int64_t max_mesh_bytes = 2ll << 30;    // all meshes as imported
+};
+
+struct ImportOptions {
+  int scene = -1;  // index of the glTF scene; -1: the document's default, else the first, else all root nodes
+};
+
+// The external URIs (not data: ones) of buffers and images, percent-decoded, each once, in document order.
+// Errors: kUnprocessable for what is not glTF 2.0; URIs with a scheme, absolute paths or ".." are refused by
+// pointer.
+std::vector<std::string> gltf_external_uris(const Blob& document, const ImportLimits& limits);
+
+// Imports one scene of the document in its rest pose: node transforms, skins (all joints and both sets) and
+// morph targets at their default weights are applied on the CPU in double precision; skinned meshes come out
+// in world space. Errors: kUnprocessable with a pointer; kTooLarge for a limit; an extension in
+// extensionsRequired that supported_gltf_extensions() does not list is refused, one in extensionsUsed only
+// becomes a Note. A missing or unreadable image becomes a Note and the slot stays empty; a missing buffer is
+// an error.
+Scene import_gltf(const ModelBundle& bundle, const ImportOptions& options, const ImportLimits& limits,
+                  const Deadline& deadline);
+
+std::vector<std::string_view> supported_gltf_extensions();
+
+}  // namespace furnace

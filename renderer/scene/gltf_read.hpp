@@ -1,0 +1,38 @@
+// The parts of reading a glTF document, one function per kind of object; gltf_document.cpp puts them
+// together.
+#pragma once
+
+#include "renderer/scene/gltf_document.hpp"
+#include "renderer/scene/gltf_json.hpp"
+
+namespace furnace {
+
+// Lengths of the document's arrays, known before any of them is read: what an index is checked against.
+struct GltfCounts {
+  int buffers, buffer_views, accessors, images, samplers, textures, materials, meshes, skins, cameras, nodes,
+      scenes;
+};
+
+// gltf_read_data.cpp
+GltfBuffer read_buffer(const JsonObject& json);
+GltfBufferView read_buffer_view(const JsonObject& json, const std::vector<GltfBuffer>& buffers);
+// Checks the accessor's bytes, and its sparse ones, against their views.
+GltfAccessor read_accessor(const JsonObject& json, const std::vector<GltfBufferView>& views);
+
+// gltf_read_material.cpp
+GltfImage read_image(const JsonObject& json, const GltfCounts& counts);
+SamplerDesc read_sampler(const JsonObject& json);
+GltfTexture read_texture(const JsonObject& json, const GltfCounts& counts,
+                         const std::vector<SamplerDesc>& samplers);
+GltfMaterial read_material(const JsonObject& json, const GltfCounts& counts);
+
+// gltf_read_scene.cpp
+GltfMesh read_mesh(const JsonObject& json, const GltfCounts& counts);
+GltfSkin read_skin(const JsonObject& json, const GltfCounts& counts);
+CameraNode read_camera(const JsonObject& json);
+GltfNode read_node(const JsonObject& json, const GltfCounts& counts);
+// Sets every node's parent. Errors: two parents, a cycle, a depth over the limit.
+void link_nodes(std::vector<GltfNode>& nodes, const ImportLimits& limits);
+GltfScene read_scene(const JsonObject& json, const std::vector<GltfNode>& nodes);
+
+}  // namespace furnace

@@ -1,0 +1,72 @@
+#include "renderer/scene/procedural.hpp"
+
+#include "renderer/scene/equirect_painter.hpp"
+#include "renderer/scene/sky.hpp"
+#include "renderer/scene/studio.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace furnace {
+namespace {
+
+// Enough for a constant: every level of a bake is constant too.
+constexpr Extent kConstantExtent{64, 32};
+
+Image make_furnace() {
+  return constant_environment(glm::vec3(1));
+}
+
+struct Builtin {
+  std::string_view name;
+  Image (*make)();
+};
+
+constexpr std::array kBuiltins = {
+    Builtin{"studio", make_studio},
+    Builtin{"overcast", make_overcast_sky},
+    Builtin{"clear-sky", make_clear_sky},
+    Builtin{"furnace", make_furnace},
+};
+
+}  // namespace
+
+EquirectGrid::EquirectGrid(Extent size) : extent(size) {
+  for (int row = 0; row < size.height; ++row) {
+    const double theta = kPi * (row + 0.5) / size.height;
+    sin_theta.push_back(std::sin(theta));
+    cos_theta.push_back(std::cos(theta));
+  }
+  for (int column = 0; column < size.width; ++column) {
+    const double phi = 2 * kPi * ((column + 0.5) / size.width - 0.5);
+    cos_phi.push_back(std::cos(phi));
+    sin_phi.push_back(std::sin(phi));
+  }
+}
+
+double EquirectGrid::texel_sr(int row) const {
+  const double top = kPi * row / extent.height, bottom = kPi * (row + 1) / extent.height;
+  return 2 * kPi / extent.width * (std::cos(top) - std::cos(bottom));
+}
+
+std::optional<Image> builtin_environment(std::string_view name) {
+  const auto builtin =
+      std::find_if(kBuiltins.begin(), kBuiltins.end(), [&](const Builtin& b) { return b.name == name; });
+  if (builtin == kBuiltins.end()) return std::nullopt;
+  return builtin->make();
+}
+
+Image constant_environment(const glm::vec3& radiance) {
+  Image image = make_image(kConstantExtent, 3, SampleType::kFloat32, ColorSpace::kLinear);
+  const auto samples = image.samples<float>();
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = radiance[i % 3];
+  return image;
+}
+
+std::vector<std::string_view> builtin_environment_names() {
+  std::vector<std::string_view> names;
+  for (const Builtin& builtin : kBuiltins) names.push_back(builtin.name);
+  return names;
+}
+
+}  // namespace furnace

@@ -1,0 +1,142 @@
+#include "renderer/scene/render_spec.hpp"
+
+namespace furnace {
+namespace {
+
+// Every struct is taken apart by structured bindings, which name all its members: a member that is added to
+// one of them does not compile here until it is hashed.
+class CanonicalHash {
+ public:
+  void add(std::string_view text) { builder_.add(text); }
+  void add(const std::string& text) { builder_.add(std::string_view(text)); }
+  void add(const ContentHash& hash) { builder_.add(hash); }
+  void add(bool value) { builder_.add(std::int64_t{value}); }
+  void add(int value) { builder_.add(std::int64_t{value}); }
+  void add(double value) { builder_.add(value); }
+  void add(float value) { builder_.add(double{value}); }
+  void add(const glm::vec3& v) { add_all(v.x, v.y, v.z); }
+  void add(const glm::vec4& v) { add_all(v.x, v.y, v.z, v.w); }
+  void add(const glm::quat& q) { add_all(q.w, q.x, q.y, q.z); }
+
+  template <class Enum>
+  requires std::is_enum_v<Enum>
+  void add(Enum value) { add(static_cast<int>(value)); }
+
+  template <class T>
+  void add(const std::optional<T>& value) {
+    add(value.has_value());
+    if (value) add(*value);
+  }
+
+  template <class T>
+  void add(const std::vector<T>& values) {
+    builder_.add(static_cast<std::int64_t>(values.size()));
+    for (const T& value : values) add(value);
+  }
+
+  template <class T>
+  void add(const std::map<std::string, T>& values) {
+    builder_.add(static_cast<std::int64_t>(values.size()));
+    for (const auto& [key, value] : values) add_all(key, value);
+  }
+
+  template <class... T>
+  void add(const std::variant<T...>& value) {
+    builder_.add(static_cast<std::int64_t>(value.index()));
+    std::visit([this](const auto& alternative) { add(alternative); }, value);
+  }
+
+  void add(const std::shared_ptr<const ModelBundle>& model) {
+    add(model != nullptr);
+    if (model) add(model->hash);
+  }
+
+  void add(const MaterialOverride& value) {
+    const auto& [preset, base_color, metallic, roughness, emissive_strength, normal_scale, occlusion_strength,
+                 alpha_cutoff, emissive, alpha_mode, double_sided, unlit] = value;
+    add_all(preset, base_color, metallic, roughness, emissive_strength, normal_scale, occlusion_strength,
+            alpha_cutoff, emissive, alpha_mode, double_sided, unlit);
+  }
+
+  void add(const NodeSpec& value) {
+    const auto& [mesh, material, translation, rotation, scale] = value;
+    add_all(mesh, material, translation, rotation, scale);
+  }
+
+  void add(const SceneSpec& value) {
+    const auto& [model, gltf_scene, nodes, materials] = value;
+    add_all(model, gltf_scene, nodes, materials);
+  }
+
+  void add(const BuiltinName& value) {
+    const auto& [name] = value;
+    add(name);
+  }
+
+  void add(const EnvironmentFile& value) {
+    const auto& [bytes] = value;
+    add(bytes.hash());
+  }
+
+  void add(const EnvironmentColor& value) {
+    const auto& [radiance] = value;
+    add(radiance);
+  }
+
+  void add(const EnvironmentSpec& value) {
+    const auto& [map, rotation_rad, intensity, background, background_color] = value;
+    add_all(map, rotation_rad, intensity, background, background_color);
+  }
+
+  void add(const OrbitCamera& value) {
+    const auto& [azimuth_rad, elevation_rad, fit, fov_y_rad, orthographic] = value;
+    add_all(azimuth_rad, elevation_rad, fit, fov_y_rad, orthographic);
+  }
+
+  void add(const LookAtCamera& value) {
+    const auto& [eye, target, up, fov_y_rad] = value;
+    add_all(eye, target, up, fov_y_rad);
+  }
+
+  void add(const GltfCamera& value) {
+    const auto& [which] = value;
+    add(which);
+  }
+
+  void add(const CameraSpec& value) {
+    const auto& [view, exposure_ev] = value;
+    add_all(view, exposure_ev);
+  }
+
+  void add(const OutputSpec& value) {
+    const auto& [width, height, format, exr_type, tone_map, samples] = value;
+    add_all(width, height, format, exr_type, tone_map, samples);
+  }
+
+  void add(const RenderSpec& value) {
+    const auto& [scene, environment, camera, output, strict] = value;
+    add_all(scene, environment, camera, output, strict);
+  }
+
+  template <class... T>
+  void add_all(const T&... values) {
+    (add(values), ...);
+  }
+
+  ContentHash finish() { return builder_.finish(); }
+
+ private:
+  HashBuilder builder_;
+};
+
+}  // namespace
+
+ContentHash spec_hash(const RenderSpec& spec) {
+  CanonicalHash hash;
+  hash.add(std::string_view("furnace render spec"));
+  hash.add(kRenderSpecVersion);
+  hash.add(spec);
+  return hash.finish();
+}
+
+}  // namespace furnace

@@ -1,0 +1,120 @@
+// One picture, completely described by values: what every door (HTTP, command line, tests) hands to the
+// renderer.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "renderer/image/image.hpp"
+#include "renderer/scene/gltf_import.hpp"
+#include "renderer/scene/material.hpp"
+
+namespace furnace {
+
+struct BuiltinName {
+  std::string name;  // without "builtin:"
+};
+
+// A material in a request: a preset or plain values, over the defaults or over a model's own material of the
+// same name.
+struct MaterialOverride {
+  std::optional<std::string> preset;
+  std::optional<glm::vec4> base_color;
+  std::optional<float> metallic, perceptual_roughness, emissive_strength, normal_scale, occlusion_strength,
+      alpha_cutoff;
+  std::optional<glm::vec3> emissive;
+  std::optional<AlphaMode> alpha_mode;
+  std::optional<bool> double_sided, unlit;
+};
+
+struct NodeSpec {
+  std::string mesh;  // built-in mesh name
+  std::optional<std::string>
+      material;                    // key of SceneSpec::materials or a preset name; none: default_material()
+  glm::vec3 translation{0};        // m
+  glm::quat rotation{1, 0, 0, 0};  // w x y z
+  glm::vec3 scale{1};
+};
+
+struct SceneSpec {
+  std::shared_ptr<const ModelBundle> model;  // may be null: then nodes only
+  int gltf_scene = -1;                       // as ImportOptions::scene
+  std::vector<NodeSpec> nodes;
+  std::map<std::string, MaterialOverride> materials;
+};
+
+struct EnvironmentFile {
+  Blob bytes;  // .hdr or .exr
+};
+struct EnvironmentColor {
+  glm::vec3 radiance{1};
+};
+
+enum class BackgroundKind { kEnvironment, kColor, kTransparent };
+
+struct EnvironmentSpec {
+  std::variant<BuiltinName, EnvironmentFile, EnvironmentColor> map = BuiltinName{"studio"};
+  double rotation_rad = 0;  // about +Y, counter-clockwise seen from above: turns the environment as an object
+  double intensity = 1;     // multiplier, >= 0
+  BackgroundKind background = BackgroundKind::kEnvironment;
+  glm::vec3 background_color{0};  // linear radiance after exposure, kColor only
+};
+
+struct OrbitCamera {
+  double azimuth_rad = 0.61;    // 0 looks from +Z, pi/2 from +X
+  double elevation_rad = 0.26;  // towards +Y, (-pi/2, pi/2) inclusive
+  double fit = 1.05;            // 1: the bounds just touch the frame; larger leaves a margin
+  double fov_y_rad = 0.5236;
+  bool orthographic = false;  // parallel rays, framed as exactly; fov_y_rad has no effect
+};
+struct LookAtCamera {
+  glm::vec3 eye{0}, target{0}, up{0, 1, 0};  // m
+  double fov_y_rad = 0.5236;
+};
+struct GltfCamera {
+  std::variant<int, std::string> which = 0;  // index or name
+};
+
+struct CameraSpec {
+  std::variant<OrbitCamera, LookAtCamera, GltfCamera> view = OrbitCamera{};
+  double exposure_ev = 0;  // stops: radiance is multiplied by 2^exposure_ev
+};
+
+enum class OutputFormat { kPng, kExr };
+enum class ToneMap {
+  kPbrNeutral,
+  kLinear,
+  kNone
+};  // kLinear clips; kNone: scene radiance straight to the transfer function
+
+struct OutputSpec {
+  int width = 1024, height = 1024;  // px
+  OutputFormat format = OutputFormat::kPng;
+  SampleType exr_type = SampleType::kFloat16;
+  ToneMap tone_map = ToneMap::kPbrNeutral;
+  int samples = 1;  // sub-frames, each with the context's MSAA
+};
+
+struct RenderSpec {
+  SceneSpec scene;
+  EnvironmentSpec environment;
+  CameraSpec camera;
+  OutputSpec output;
+  bool strict = false;  // any Note is an error
+};
+
+// Raised when the same canonical bytes would mean another picture.
+inline constexpr int kRenderSpecVersion = 1;
+
+// Hash of the canonical form: equal for two specs that describe the same picture, whatever JSON they came
+// from.
+ContentHash spec_hash(const RenderSpec& spec);
+
+}  // namespace furnace

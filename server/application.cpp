@@ -1,0 +1,133 @@
+#include "server/application.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "renderer/base/check.hpp"
+#include "renderer/base/log.hpp"
+#include "server/build_id.hpp"
+
+namespace furnace {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr int kRefusingThreads = 8;  // beyond seats and queue: they tell others that there is no place
+constexpr int kAdminThreads = 2;
+
+int cores() {
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+int cpu_threads(const Config& config) {
+  return config.cpu_threads > 0 ? config.cpu_threads : cores();
+}
+
+// One seat per core keeps the CPU stages busy, one more the GL thread.
+int seats(const Config& config) {
+  return config.seats > 0 ? config.seats : cores() + 1;
+}
+
+RendererConfig renderer_config(const Config& config) {
+  RendererConfig out;
+  out.gl.device = config.device;
+  out.gl.determinism = config.determinism == "exact" ? gl::Determinism::kExact : gl::Determinism::kFast;
+  out.build_id = std::string(build_id());
+  out.shader_dir = config.shader_dir;
+  out.scene_cache_bytes = config.scene_cache_bytes;
+  out.bake_cache_bytes = config.bake_cache_bytes;
+  out.gpu_cache_bytes = config.gpu_cache_bytes;
+  return out;
+}
+
+HttpConfig http_config(const Config& config, std::string_view listen, int threads) {
+  const auto address = parse_address(listen);
+  FURNACE_CHECK(address.has_value(), "address {}", listen);
+  HttpConfig out;
+  out.address = *address;
+  out.threads = threads;
+  out.max_connections = config.max_connections;
+  out.max_body_bytes = config.max_body_bytes;
+  out.max_bodies_bytes = config.max_bodies_bytes;
+  out.timeout = milliseconds(config.timeout_ms);
+  out.keep_alive = milliseconds(config.keep_alive_ms);
+  out.io.header_timeout = milliseconds(config.header_timeout_ms);
+  out.io.io_timeout = milliseconds(config.io_timeout_ms);
+  return out;
+}
+
+api::Capabilities capabilities(const Config& config, const Renderer& renderer) {
+  const Fingerprint& print = renderer.fingerprint();
+  api::Capabilities out;
+  out.version = {std::string(version()), std::string(build_id()), print.shaders, print.gl, print.text()};
+  out.request = request_limits(config);
+  out.max_body_bytes = config.max_body_bytes;
+  out.max_texture_px = renderer.limits().max_texture_px;
+  out.software_gl = renderer.limits().software;
+  return out;
+}
+
+std::vector<std::filesystem::path> paths(const std::vector<std::string>& texts) {
+  return {texts.begin(), texts.end()};
+}
+
+}  // namespace
+
+api::RequestLimits request_limits(const Config& config) {
+  api::RequestLimits limits;
+  limits.max_side_px = config.max_side_px;
+  limits.max_area_px = config.max_area_px;
+  limits.max_samples = config.max_samples;
+  limits.max_json_bytes = config.max_json_bytes;
+  return limits;
+}
+
+Engine::Engine(const Config& config, std::vector<std::filesystem::path> file_roots)
+    : pool_(cpu_threads(config)),
+      renderer(renderer_config(config), pool_),
+      admission(seats(config), config.queue),
+      files(std::move(file_roots), config.file_cache_bytes, config.max_file_bytes),
+      service(renderer, admission, pool_) {}
+
+Application::Application(const Config& config)
+    : config_(config),
+      engine_(config_, paths(config_.assets)),
+      metrics_(build_id()),
+      readiness_([this](const Deadline& deadline) { return engine_.renderer.probe(deadline); },
+                 milliseconds(config_.ready_timeout_ms)),
+      doors_{engine_.service,  engine_.admission, engine_.files,
+             readiness_,       metrics_,          capabilities(config_, engine_.renderer),
+             config_.max_parts},
+      public_dispatcher_(public_routes(doors_, config_.admin_listen.empty()), metrics_),
+      admin_dispatcher_(operation_routes(doors_, true), metrics_),
+      admin_server_(
+          config_.admin_listen.empty()
+              ? nullptr
+              : std::make_unique<HttpServer>(http_config(config_, config_.admin_listen, kAdminThreads),
+                                             admin_dispatcher_, metrics_)),
+      // A waiting request holds its thread.
+      server_(http_config(config_, config_.listen, seats(config_) + config_.queue + kRefusingThreads),
+              public_dispatcher_, metrics_) {}
+
+void Application::start() {
+  if (admin_server_) admin_server_->start();
+  server_.start();
+}
+
+void Application::stop() {
+  readiness_.drain();
+  log::info("server.draining", {{"timeout_ms", config_.drain_timeout_ms}});
+  server_.stop(milliseconds(config_.drain_timeout_ms));
+  if (admin_server_) admin_server_->stop(milliseconds(0));
+  log::info("server.stopped");
+}
+
+std::optional<int> Application::admin_port() const {
+  if (!admin_server_) return std::nullopt;
+  return admin_server_->port();
+}
+
+}  // namespace furnace

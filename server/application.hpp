@@ -1,0 +1,68 @@
+// The composition root: what is built, in which order, and how it ends. Destruction in reverse is the
+// shutdown order.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "renderer/assets/asset_resolver.hpp"
+#include "renderer/base/worker_pool.hpp"
+#include "renderer/renderer.hpp"
+#include "server/admission.hpp"
+#include "server/config.hpp"
+#include "server/dispatcher.hpp"
+#include "server/http_server.hpp"
+#include "server/metrics.hpp"
+#include "server/render_service.hpp"
+#include "server/routes.hpp"
+
+namespace furnace {
+
+// Everything that draws, without a door: the command line needs no more.
+// Threads: any. Owns: the CPU threads, the GL thread and their caches.
+class Engine {
+ public:
+  // Errors: kGpuUnavailable. gl::apply_determinism must have been called.
+  Engine(const Config& config, std::vector<std::filesystem::path> file_roots);
+
+ private:
+  WorkerPool pool_;
+
+ public:
+  Renderer renderer;
+  Admission admission;
+  FileAssets files;
+  RenderService service;
+};
+
+// The server. Threads: one owner. Owns: everything.
+class Application {
+ public:
+  // Builds all and binds, so that what cannot work fails here. Errors: kGpuUnavailable, kUnprocessable (an
+  // address).
+  explicit Application(const Config& config);
+
+  void start();
+  // Not ready from now on; requests in flight end, or are cancelled after the drain timeout.
+  void stop();
+
+  int port() const { return server_.port(); }
+  std::optional<int> admin_port() const;
+  const Fingerprint& fingerprint() const { return engine_.renderer.fingerprint(); }
+
+ private:
+  const Config config_;
+  Engine engine_;
+  Metrics metrics_;
+  Readiness readiness_;
+  const Doors doors_;
+  const Dispatcher public_dispatcher_;
+  const Dispatcher admin_dispatcher_;
+  std::unique_ptr<HttpServer> admin_server_;  // null without admin_listen
+  HttpServer server_;
+};
+
+// A request's limits as configured.
+api::RequestLimits request_limits(const Config& config);
+
+}  // namespace furnace

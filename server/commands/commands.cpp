@@ -1,0 +1,86 @@
+#include "server/commands/commands.hpp"
+
+#include <unistd.h>
+
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+#include "renderer/base/file.hpp"
+#include "renderer/base/log.hpp"
+#include "server/settings.hpp"
+
+extern char** environ;
+
+namespace furnace {
+namespace {
+
+constexpr std::int64_t kMaxConfigBytes = 1 << 20;
+
+NamedValues whole_environment() {
+  NamedValues values;
+  for (char** entry = environ; *entry; ++entry) {
+    const std::string_view text = *entry;
+    const std::size_t equals = text.find('=');
+    if (equals == std::string_view::npos) continue;
+    values.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+  }
+  return values;
+}
+
+}  // namespace
+
+SettingOptions::SettingOptions(CLI::App& command) : command_(command) {
+  command.add_option("--config", config_file_, "configuration file with lines of the form name = value")
+      ->envname("FURNACE_CONFIG")
+      ->check(CLI::ExistingFile);
+  for (const Setting& setting : all_settings()) {
+    const std::string name(setting.name);
+    CLI::Option* option = command.add_option("--" + name, given_[name],
+                                             fmt::format("{} ({})", setting.help, environment_name(setting)));
+    option->default_str(value_text(setting, Config{}))->expected(1);
+    const bool list = std::holds_alternative<std::vector<std::string> Config::*>(setting.member);
+    option->type_name(setting.choices.empty() ? "" : fmt::format("{{{}}}", setting.choices));
+    option->multi_option_policy(list ? CLI::MultiOptionPolicy::TakeAll : CLI::MultiOptionPolicy::Throw);
+  }
+}
+
+LoadedConfig SettingOptions::load() const {
+  ConfigSources sources;
+  sources.environment = whole_environment();
+  if (!config_file_.empty()) sources.file_text = read_file(config_file_, kMaxConfigBytes);
+  for (const auto& [name, values] : given_) {
+    for (const std::string& value : values) sources.flags.emplace_back(name, value);
+  }
+  return load_config(sources);
+}
+
+bool tell_problems(const LoadedConfig& loaded) {
+  for (const std::string& problem : loaded.problems) fmt::print(stderr, "furnace: {}\n", problem);
+  for (const std::string& warning : loaded.warnings) fmt::print(stderr, "furnace: warning: {}\n", warning);
+  return loaded.problems.empty();
+}
+
+void tell_error(const Error& error) {
+  const bool terminal = ::isatty(STDERR_FILENO) == 1;
+  if (!terminal) {
+    log::error("failed", {{"code", error_code_name(error.code)},
+                          {"message", error.message},
+                          {"pointer", error.pointer},
+                          {"detail", error.detail}});
+    for (const Problem& problem : error.problems) {
+      log::error("problem", {{"pointer", problem.pointer}, {"message", problem.message}});
+    }
+    return;
+  }
+  const auto place = [](const std::string& pointer) {
+    return pointer.empty() ? "" : " (at " + pointer + ")";
+  };
+  fmt::print(stderr, "furnace: {}{}\n", error.message, place(error.pointer));
+  for (const Problem& problem : error.problems) {
+    fmt::print(stderr, "  {}: {}\n", problem.pointer.empty() ? "/" : problem.pointer, problem.message);
+  }
+  if (!error.detail.empty()) fmt::print(stderr, "  {}\n", error.detail);
+}
+
+}  // namespace furnace

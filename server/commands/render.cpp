@@ -1,0 +1,232 @@
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <iterator>
+#include <map>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "renderer/assets/asset_resolver.hpp"
+#include "renderer/base/file.hpp"
+#include "renderer/base/log.hpp"
+#include "renderer/gl/context.hpp"
+#include "api/render_request.hpp"
+#include "server/application.hpp"
+#include "server/commands/commands.hpp"
+#include "server/commands/render_options.hpp"
+
+namespace furnace {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kGlbMagic = "glTF";
+constexpr const char* kModelPart = "model";
+constexpr const char* kEnvironmentPart = "environment";
+
+struct Arguments {
+  std::string input, output;
+  std::optional<std::string> environment;  // a file or the name of a built-in
+  RenderOptions options;
+  Config config;  // device, determinism, limits
+  int repeat = 1;
+  bool strict = false;
+};
+
+// The request and what it refers to. A file: reference means the folder of the file it stands in.
+struct Job {
+  std::string document;
+  std::map<std::string, Blob> parts;
+  fs::path root = ".";
+  bool document_is_ours = false;  // made from the options, so they need not be applied to it
+};
+
+// On one's own machine the only limits are those of the formats.
+Config local_config() {
+  Config config;
+  config.queue = 0;
+  config.max_side_px = 16384;
+  config.max_area_px = 256ll << 20;
+  config.max_samples = 4096;
+  config.max_json_bytes = 256ll << 20;
+  config.max_file_bytes = 4ll << 30;
+  config.timeout_ms = 24ll * 3600 * 1000;
+  return config;
+}
+
+bool on_terminal() {
+  return ::isatty(STDERR_FILENO) == 1;
+}
+
+std::string read_input(const std::string& input, const Config& config) {
+  if (input != "-") return read_file(input, config.max_file_bytes);
+  return {std::istreambuf_iterator<char>(std::cin), {}};
+}
+
+bool is_model_name(const fs::path& path) {
+  return path.extension() == ".glb" || path.extension() == ".gltf";
+}
+
+void name_environment(const Arguments& arguments, RenderOptions& options, Job& job) {
+  if (!arguments.environment) return;
+  const std::string& name = *arguments.environment;
+  if (fs::is_regular_file(name)) {
+    job.parts[kEnvironmentPart] = Blob(read_file(name, arguments.config.max_file_bytes));
+    options.environment = fmt::format("part:{}", kEnvironmentPart);
+  } else {
+    options.environment = name.starts_with("builtin:") ? name : "builtin:" + name;
+  }
+}
+
+// The name of the output says which format it has, unless that was said.
+void name_format(const Arguments& arguments, RenderOptions& options) {
+  const fs::path extension = fs::path(arguments.output).extension();
+  if (options.format) return;
+  if (extension == ".png") options.format = "png";
+  if (extension == ".exr") options.format = "exr";
+}
+
+Job make_job(const Arguments& arguments, const RenderOptions& options, Job job) {
+  const fs::path input = arguments.input;
+  if (arguments.input != "-") job.root = input.has_parent_path() ? input.parent_path() : fs::path(".");
+  if (arguments.input != "-" && is_model_name(input)) {
+    if (!fs::is_regular_file(input))
+      fail(ErrorCode::kNotFound, fmt::format("there is no file {}", arguments.input));
+    job.document = request_document(options, "file:" + input.filename().string());
+    job.document_is_ours = true;
+    return job;
+  }
+  std::string content = read_input(arguments.input, arguments.config);
+  if (content.starts_with(kGlbMagic)) {
+    job.parts[kModelPart] = Blob(std::move(content));
+    job.document = request_document(options, fmt::format("part:{}", kModelPart));
+    job.document_is_ours = true;
+  } else {
+    job.document = std::move(content);
+  }
+  return job;
+}
+
+RenderSpec make_spec(const Arguments& arguments, const RenderOptions& options, const Job& job,
+                     FileAssets& files) {
+  const AssetResolver assets(files, job.parts, ImportLimits{});
+  const api::RequestLimits limits = request_limits(arguments.config);
+  RenderSpec spec = api::parse_render_request(job.document, assets, limits);
+  if (!job.document_is_ours) {
+    apply_options(options, api::parse_render_request(request_document(options, {}), assets, limits), spec);
+  }
+  spec.strict = spec.strict || arguments.strict;
+  return spec;
+}
+
+void tell_picture(const EncodedImage& image, const RenderSpec& spec, double total_ms) {
+  const StageTimes& t = image.times;
+  if (!on_terminal()) {
+    log::info("render.done", {{"width", spec.output.width},
+                              {"height", spec.output.height},
+                              {"samples", spec.output.samples},
+                              {"bytes", image.bytes.size()},
+                              {"total_ms", total_ms},
+                              {"queue_ms", t.queue_ms},
+                              {"decode_ms", t.decode_ms},
+                              {"bake_ms", t.bake_ms},
+                              {"upload_ms", t.upload_ms},
+                              {"draw_ms", t.draw_ms},
+                              {"readback_ms", t.readback_ms},
+                              {"encode_ms", t.encode_ms}});
+    return;
+  }
+  fmt::print(
+      stderr,
+      "{} x {}, {} samples, {} bytes in {:.1f} ms: decode {:.1f}, bake {:.1f}, upload {:.1f}, draw {:.1f}, "
+      "read back {:.1f}, encode {:.1f}\n",
+      spec.output.width, spec.output.height, spec.output.samples, image.bytes.size(), total_ms, t.decode_ms,
+      t.bake_ms, t.upload_ms, t.draw_ms, t.readback_ms, t.encode_ms);
+}
+
+void tell_notes(const std::vector<Note>& notes) {
+  for (const Note& note : notes) {
+    if (on_terminal()) {
+      fmt::print(stderr, "note: {}: {}{}\n", note.code, note.message,
+                 note.pointer.empty() ? "" : " (at " + note.pointer + " of the model)");
+    } else {
+      log::info("render.note", {{"code", note.code}, {"pointer", note.pointer}, {"message", note.message}});
+    }
+  }
+}
+
+void write_output(const std::string& output, std::string_view bytes) {
+  if (output != "-") return write_file_atomically(output, bytes);
+  if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) != bytes.size() || std::fflush(stdout) != 0) {
+    fail(ErrorCode::kStorage, "could not write to standard output");
+  }
+}
+
+int render(const Arguments& arguments) {
+  if (on_terminal()) log::set_level(log::Level::kWarning);
+  gl::apply_determinism(arguments.config.determinism == "exact" ? gl::Determinism::kExact
+                                                                : gl::Determinism::kFast);
+  RenderOptions options = arguments.options;
+  Job named;
+  name_environment(arguments, options, named);
+  name_format(arguments, options);
+  const Job job = make_job(arguments, options, std::move(named));
+
+  Engine engine(arguments.config, {job.root});
+  const RenderSpec spec = make_spec(arguments, options, job, engine.files);
+  EncodedImage image;
+  for (int i = 0; i < arguments.repeat; ++i) {
+    const auto start = Clock::now();
+    image = engine.service.render(spec, Deadline(std::chrono::milliseconds(arguments.config.timeout_ms)));
+    tell_picture(image, spec, std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+  }
+  tell_notes(image.notes);
+  write_output(arguments.output, image.bytes);
+  return kDone;
+}
+
+void add_options(CLI::App& command, Arguments& to) {
+  RenderOptions& options = to.options;
+  command.add_option("input", to.input, "REQUEST.json, MODEL.glb, MODEL.gltf, or - for standard input")
+      ->required();
+  command.add_option("-o,--output", to.output, "OUT.png, OUT.exr, or - for standard output")->required();
+  command.add_option("--environment", to.environment,
+                     "an .hdr or .exr file, or the name of a built-in environment");
+  command.add_option("--rotation", options.rotation_degrees, "turn of the environment about +Y, degrees");
+  command.add_option("--background", options.background, "environment, transparent or #rrggbb");
+  command.add_option("--width", options.width, "px");
+  command.add_option("--height", options.height, "px");
+  command.add_option("--azimuth", options.azimuth_degrees,
+                     "of the camera, degrees: 0 looks from +Z, 90 from +X");
+  command.add_option("--elevation", options.elevation_degrees, "of the camera, degrees towards +Y");
+  command.add_option("--exposure", options.exposure_ev, "stops");
+  command.add_option("--tone-map", options.tone_map, "pbr-neutral, linear or none");
+  command.add_option("--format", options.format, "png or exr; else the ending of OUT says it");
+  command.add_option("--exr-type", options.exr_type, "half or float");
+  CLI::Option* quality =
+      command.add_option("--quality", options.quality, "draft, standard, high or reference");
+  command.add_option("--samples", options.samples, "sub-frames, instead of a quality")->excludes(quality);
+  command.add_option("--repeat", to.repeat, "draw so many times and tell each time")
+      ->check(CLI::Range(1, 1'000'000));
+  command.add_flag("--strict", to.strict, "fail when anything cannot be drawn as asked");
+  command.add_option("--device", to.config.device, "as of serve")->envname("FURNACE_DEVICE");
+  command.add_option("--determinism", to.config.determinism, "fast or exact, as of serve")
+      ->envname("FURNACE_DETERMINISM")
+      ->check(CLI::IsMember({"fast", "exact"}));
+  command.add_option("--shader-dir", to.config.shader_dir, "as of serve")->envname("FURNACE_SHADER_DIR");
+}
+
+}  // namespace
+
+Command render_command(CLI::App& root) {
+  CLI::App* command = root.add_subcommand("render", "Draws one picture");
+  const auto arguments = std::make_shared<Arguments>();
+  arguments->config = local_config();
+  add_options(*command, *arguments);
+  return {command, [arguments] { return render(*arguments); }};
+}
+
+}  // namespace furnace

@@ -1,0 +1,115 @@
+#include "server/commands/render_options.hpp"
+
+#include <charconv>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "renderer/base/error.hpp"
+#include "renderer/image/color.hpp"
+#include "api/document.hpp"
+
+namespace furnace {
+namespace {
+
+std::string json_text(std::string_view text) {
+  return api::quoted(text, text.size());
+}
+
+// The members of one JSON object, those that are there.
+class Members {
+ public:
+  void add_raw(std::string_view key, std::string_view json) {
+    members_.push_back(fmt::format("\"{}\":{}", key, json));
+  }
+  void add(std::string_view key, const std::optional<std::string>& text) {
+    if (text) add_raw(key, json_text(*text));
+  }
+  template <class Number>
+  void add(std::string_view key, const std::optional<Number>& number) {
+    if (number) add_raw(key, fmt::format("{}", *number));
+  }
+  void add_object(std::string_view key, const Members& members) {
+    if (!members.members_.empty()) add_raw(key, members.text());
+  }
+  std::string text() const { return fmt::format("{{{}}}", fmt::join(members_, ",")); }
+
+ private:
+  std::vector<std::string> members_;
+};
+
+double linear_of_hex(std::string_view two_digits) {
+  int value = 0;
+  const auto [end, fault] =
+      std::from_chars(two_digits.data(), two_digits.data() + two_digits.size(), value, 16);
+  if (fault != std::errc{} || end != two_digits.data() + two_digits.size()) {
+    fail(ErrorCode::kUnprocessable, "--background: environment, transparent or a colour such as #e8e4df");
+  }
+  return linear_from_srgb(value / 255.0);
+}
+
+Members background_members(std::string_view background) {
+  Members members;
+  if (!background.starts_with('#')) {
+    members.add("type", std::optional(std::string(background)));
+    return members;
+  }
+  const std::string_view digits = background.substr(1);
+  if (digits.size() != 6) linear_of_hex("");
+  members.add("type", std::optional<std::string>("color"));
+  members.add_raw("color",
+                  fmt::format("[{},{},{}]", linear_of_hex(digits.substr(0, 2)),
+                              linear_of_hex(digits.substr(2, 2)), linear_of_hex(digits.substr(4, 2))));
+  return members;
+}
+
+bool turns_camera(const RenderOptions& options) {
+  return options.azimuth_degrees || options.elevation_degrees;
+}
+
+}  // namespace
+
+std::string request_document(const RenderOptions& options, const std::string& model) {
+  Members scene, environment, orbit, camera, output, request;
+  if (!model.empty()) scene.add("model", std::optional(model));
+  environment.add("map", options.environment);
+  environment.add("rotationDegrees", options.rotation_degrees);
+  if (options.background) environment.add_object("background", background_members(*options.background));
+  orbit.add("azimuthDegrees", options.azimuth_degrees);
+  orbit.add("elevationDegrees", options.elevation_degrees);
+  camera.add_object("orbit", orbit);
+  camera.add("exposureEv", options.exposure_ev);
+  output.add("width", options.width);
+  output.add("height", options.height);
+  output.add("format", options.format);
+  output.add("exrType", options.exr_type);
+  output.add("toneMap", options.tone_map);
+  output.add("quality", options.quality);
+  output.add("samples", options.samples);
+  request.add_object("scene", scene);
+  request.add_object("environment", environment);
+  request.add_object("camera", camera);
+  request.add_object("output", output);
+  return request.text();
+}
+
+void apply_options(const RenderOptions& options, const RenderSpec& said, RenderSpec& spec) {
+  if (options.environment) spec.environment.map = said.environment.map;
+  if (options.rotation_degrees) spec.environment.rotation_rad = said.environment.rotation_rad;
+  if (options.background) {
+    spec.environment.background = said.environment.background;
+    spec.environment.background_color = said.environment.background_color;
+  }
+  if (turns_camera(options)) spec.camera.view = said.camera.view;
+  if (options.exposure_ev) spec.camera.exposure_ev = said.camera.exposure_ev;
+  if (options.width) spec.output.width = said.output.width;
+  if (options.height) spec.output.height = said.output.height;
+  if (options.format) spec.output.format = said.output.format;
+  if (options.exr_type) spec.output.exr_type = said.output.exr_type;
+  if (options.tone_map) spec.output.tone_map = said.output.tone_map;
+  if (options.quality || options.samples) spec.output.samples = said.output.samples;
+}
+
+}  // namespace furnace

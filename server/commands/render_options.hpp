@@ -1,0 +1,26 @@
+// The options of `furnace render` as a request document: the command line says nothing that JSON could not.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "renderer/scene/render_spec.hpp"
+
+namespace furnace {
+
+struct RenderOptions {
+  std::optional<int> width, height, samples;
+  std::optional<std::string> quality, tone_map, format, exr_type;
+  std::optional<double> azimuth_degrees, elevation_degrees, exposure_ev, rotation_degrees;
+  std::optional<std::string> environment;  // a reference: "builtin:studio", "part:environment"
+  std::optional<std::string> background;   // environment, transparent or #rrggbb
+};
+
+// The document that says what `options` say, about `model` (a reference) unless that is empty.
+// Errors: kUnprocessable for a background that cannot be read.
+std::string request_document(const RenderOptions& options, const std::string& model);
+
+// Puts what `options` name into `spec`, from `said`: the parsed request_document(options, "").
+void apply_options(const RenderOptions& options, const RenderSpec& said, RenderSpec& spec);
+
+}  // namespace furnace

@@ -1,0 +1,81 @@
+// What can be set, from where, and what it came to. The table of all settings is settings.cpp.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace furnace {
+
+// Threads: a value. Ranges and help stand in the table, defaults here.
+struct Config {
+  std::string listen = "127.0.0.1:8080";
+  std::string admin_listen;     // empty: health and metrics are on the main listener only
+  std::string device = "auto";  // as gl::ContextConfig::device
+  std::string determinism = "fast";
+  std::string shader_dir;
+  std::vector<std::string> assets;  // roots of "file:" references
+  std::string log_level = "info";
+
+  int seats = 0;  // 0: one per core and one for the GL thread
+  int queue = 16;
+  int cpu_threads = 0;               // 0: one per core
+  std::int64_t timeout_ms = 30'000;  // of one request, waiting included
+  std::int64_t ready_timeout_ms = 10'000;
+  std::int64_t drain_timeout_ms = 20'000;
+
+  std::int64_t max_body_bytes = 64ll << 20;
+  std::int64_t max_bodies_bytes = 512ll << 20;
+  int max_parts = 64;
+  std::int64_t max_json_bytes = 4ll << 20;
+  int max_side_px = 4096;
+  std::int64_t max_area_px = 16ll << 20;
+  int max_samples = 64;
+
+  int max_connections = 256;           // waiting for a thread; those beyond are refused
+  std::int64_t keep_alive_ms = 1'000;  // an idle connection holds a thread
+  std::int64_t header_timeout_ms = 5'000;
+  std::int64_t io_timeout_ms = 10'000;
+
+  std::int64_t scene_cache_bytes = 256ll << 20;
+  std::int64_t bake_cache_bytes = 512ll << 20;
+  std::int64_t gpu_cache_bytes = 1024ll << 20;
+  std::int64_t file_cache_bytes = 256ll << 20;
+  std::int64_t max_file_bytes = 512ll << 20;
+};
+
+using NamedValues =
+    std::vector<std::pair<std::string, std::string>>;  // in order; a list setting may come more than once
+
+struct ConfigSources {
+  std::optional<std::string> file_text;  // key = value lines, "#" comments
+  NamedValues environment;  // whole environment: names that do not begin with FURNACE_ are passed over
+  NamedValues flags;        // names without dashes
+};
+
+struct LoadedConfig {
+  Config config;
+  std::map<std::string, std::string, std::less<>>
+      origins;                        // setting -> "default", "file", "environment", "flag"
+  std::vector<std::string> problems;  // not empty: do not start
+  std::vector<std::string> warnings;
+};
+
+// defaults < file < environment < flags; all problems are told at once.
+LoadedConfig load_config(const ConfigSources& sources);
+
+// The effective values as a configuration file, each with its origin and help.
+std::string print_config(const LoadedConfig& loaded);
+
+struct Address {
+  std::string host;
+  int port = 0;  // 0: any free one
+};
+std::optional<Address> parse_address(std::string_view text);  // "127.0.0.1:8080", "[::1]:0", "localhost:80"
+bool is_loopback(const Address& address);
+
+}  // namespace furnace

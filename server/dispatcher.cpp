@@ -1,0 +1,198 @@
+#include "server/dispatcher.hpp"
+
+#include <chrono>
+#include <exception>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "renderer/base/deadline.hpp"
+#include "renderer/base/log.hpp"
+#include "api/document.hpp"
+#include "api/problem.hpp"
+#include "server/metrics.hpp"
+
+namespace furnace {
+namespace {
+
+constexpr std::string_view kNoRoute = "none";        // metrics label of what no route took
+constexpr std::string_view kRetryBusySeconds = "1";  // a seat is free again within a picture's time
+constexpr std::string_view kRetryDownSeconds = "5";
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Statuses of the protocol itself that an ErrorCode stands for.
+std::optional<ErrorCode> code_of(int status) {
+  switch (status) {
+    case 400:
+      return ErrorCode::kInvalidRequest;
+    case 413:
+      return ErrorCode::kTooLarge;
+    case 415:
+      return ErrorCode::kUnsupportedMedia;
+    case 429:
+      return ErrorCode::kOverloaded;
+    default:
+      return std::nullopt;
+  }
+}
+
+// Phrases of RFC 9110 for the others.
+std::string_view phrase(int status) {
+  switch (status) {
+    case 408:
+      return "Request Timeout";
+    case 414:
+      return "URI Too Long";
+    case 417:
+      return "Expectation Failed";
+    case 431:
+      return "Request Header Fields Too Large";
+    case 501:
+      return "Not Implemented";
+    default:
+      return "Refused";
+  }
+}
+
+// RFC 9457 section 4.2.1: "about:blank" says no more than the status does.
+std::string blank_problem(const Refusal& refusal, std::string_view request_id) {
+  return fmt::format(R"({{"type":"about:blank","title":"{}","status":{},"detail":{},"instance":{}}})",
+                     phrase(refusal.status), refusal.status,
+                     api::quoted(refusal.detail, refusal.detail.size()),
+                     api::quoted(request_id, request_id.size()));
+}
+
+// On every reply: nothing of ours is a document that may run or fetch anything.
+void add_common_headers(Reply& reply, const Request& request) {
+  if (!request.id.empty()) reply.with("X-Request-Id", request.id);
+  reply.with("X-Content-Type-Options", "nosniff");
+  reply.with("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'");
+  reply.with("Cross-Origin-Resource-Policy", "same-site");
+  if (reply.status >= 400) reply.with("Cache-Control", "no-store");
+}
+
+void log_error(const Error& error, int status) {
+  const auto write = status >= 500 && status != 504 ? log::error : log::info;
+  write("request.failed", {{"code", error_code_name(error.code)},
+                           {"message", error.message},
+                           {"pointer", error.pointer},
+                           {"detail", error.detail},
+                           {"problems", error.problems.size()},
+                           {"context", fmt::format("{}", fmt::join(error.context, " < "))}});
+}
+
+Error internal_error(std::string detail) {
+  return {ErrorCode::kInternal,
+          "The server made a mistake; its log has the details under this request's id.",
+          {},
+          std::move(detail),
+          {},
+          {}};
+}
+
+}  // namespace
+
+Dispatcher::Dispatcher(std::vector<Route> routes, Metrics& metrics)
+    : routes_(std::move(routes)), metrics_(metrics) {}
+
+Reply Dispatcher::handle(const Request& request) const {
+  const log::RequestScope scope(request.id);
+  const auto start = Clock::now();
+  metrics_.requests_in_flight.Increment();
+  std::string_view route = kNoRoute;
+
+  Reply reply = answer(request, route);
+  add_common_headers(reply, request);
+
+  const double seconds = seconds_since(start);
+  metrics_.requests_in_flight.Decrement();
+  metrics_.observe_request(route, reply.status, seconds);
+  log::info("request.done", {{"method", request.method},
+                             {"path", request.path},
+                             {"status", reply.status},
+                             {"ms", seconds * 1e3},
+                             {"bytes_in", request.body.size()},
+                             {"bytes_out", reply.body.size()}});
+  return reply;
+}
+
+// The one catch of the HTTP door.
+Reply Dispatcher::answer(const Request& request, std::string_view& route) const {
+  try {
+    if (request.method == "OPTIONS") {
+      const std::string allowed = allowed_methods(request.path);
+      if (!allowed.empty()) return Reply{204, {}, {}, {}}.with("Allow", allowed);
+    }
+    const Route& found = find(request);
+    route = found.path;
+    return found.handler(request);
+  } catch (const Error& error) {
+    return problem(request, error);
+  } catch (const std::exception& stray) {
+    return problem(request, internal_error(stray.what()));
+  }
+}
+
+const Route& Dispatcher::find(const Request& request) const {
+  const std::string_view method = request.method == "HEAD" ? std::string_view("GET") : request.method;
+  for (const Route& route : routes_) {
+    if (route.path == request.path && route.method == method) return route;
+  }
+  if (const std::string allowed = allowed_methods(request.path); !allowed.empty()) {
+    fail(ErrorCode::kMethodNotAllowed, fmt::format("{} takes {}.", request.path, allowed));
+  }
+  fail(ErrorCode::kNotFound, "There is nothing at this path; /openapi.json lists what there is.");
+}
+
+std::string Dispatcher::allowed_methods(std::string_view path) const {
+  std::string allowed;
+  for (const Route& route : routes_) {
+    if (route.path != path) continue;
+    allowed += fmt::format("{}{}", route.method, route.method == "GET" ? ", HEAD, " : ", ");
+  }
+  return allowed.empty() ? allowed : allowed + "OPTIONS";
+}
+
+Reply Dispatcher::problem(const Request& request, const Error& error) const {
+  const int status = api::http_status(error.code);
+  log_error(error, status);
+  Reply reply{status, std::string(api::kProblemMediaType), api::problem_json(error, request.id), {}};
+  if (error.code == ErrorCode::kMethodNotAllowed) reply.with("Allow", allowed_methods(request.path));
+  if (error.code == ErrorCode::kOverloaded) reply.with("Retry-After", std::string(kRetryBusySeconds));
+  if (error.code == ErrorCode::kGpuUnavailable) reply.with("Retry-After", std::string(kRetryDownSeconds));
+  if (error.code == ErrorCode::kNotAcceptable) reply.with("Vary", "Accept");
+  return reply;
+}
+
+Reply Dispatcher::refuse(const Request& request, const Refusal& refusal) const {
+  const log::RequestScope scope(request.id);
+  metrics_.observe_request(kNoRoute, refusal.status, 0);
+  Reply reply;
+  if (const auto code = code_of(refusal.status)) {
+    reply = problem(request, {*code, refusal.detail, {}, {}, {}, {}});
+  } else {
+    log::info("request.refused", {{"status", refusal.status}, {"detail", refusal.detail}});
+    reply = {refusal.status, std::string(api::kProblemMediaType), blank_problem(refusal, request.id), {}};
+  }
+  add_common_headers(reply, request);
+  return reply;
+}
+
+Reply Dispatcher::overloaded() const {
+  const Request nobody;
+  Reply reply = problem(nobody, {ErrorCode::kOverloaded,
+                                 "The server has too many connections; try again in a moment.",
+                                 {},
+                                 {},
+                                 {},
+                                 {}});
+  add_common_headers(reply, nobody);
+  return reply;
+}
+
+}  // namespace furnace

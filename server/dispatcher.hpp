@@ -1,0 +1,49 @@
+// From a request to its reply: which route, which headers, and the one place where errors become problem
+// documents.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "renderer/base/error.hpp"
+#include "server/framing.hpp"
+#include "server/http_types.hpp"
+
+namespace furnace {
+
+class Metrics;
+
+struct Route {
+  std::string_view method;  // "GET" answers HEAD too
+  std::string_view path;    // exact
+  std::function<Reply(const Request&)> handler;
+};
+
+// Threads: any. Owns: the route table; Metrics outlives it.
+class Dispatcher {
+ public:
+  Dispatcher(std::vector<Route> routes, Metrics& metrics);
+
+  // Never throws: whatever a handler throws becomes a problem document.
+  Reply handle(const Request& request) const;
+
+  // What is wrong with a request before a route could see it: broken syntax (400), too long (413, 414, 431),
+  // too slow (408), ...
+  Reply refuse(const Request& request, const Refusal& refusal) const;
+
+  // The reply to a connection for which there is no thread.
+  Reply overloaded() const;
+
+ private:
+  const Route& find(const Request& request) const;
+  std::string allowed_methods(std::string_view path) const;
+  Reply answer(const Request& request, std::string_view& route) const;
+  Reply problem(const Request& request, const Error& error) const;
+
+  std::vector<Route> routes_;
+  Metrics& metrics_;
+};
+
+}  // namespace furnace

@@ -1,0 +1,30 @@
+// What a request's head says about its body, and whether it can be believed (RFC 9112 section 6).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "server/http_types.hpp"
+
+namespace furnace {
+
+// Why a request is refused before a route sees it; status 0: it is not.
+struct Refusal {
+  int status = 0;
+  std::string detail;
+};
+
+struct Framing {
+  Refusal refusal;
+  std::int64_t content_length = 0;  // bytes; of a chunked body: 0
+  bool chunked = false;
+};
+
+Framing read_framing(const Request& head, std::string_view http_version, std::int64_t max_body_bytes);
+
+// A client's X-Request-Id is kept when it is plain enough for logs and headers.
+bool is_sane_request_id(std::string_view id);
+std::string new_request_id();
+
+}  // namespace furnace

@@ -1,0 +1,449 @@
+// cpp-httplib 0.11 and how it is kept in bounds. Of the library we use the accept loop, the parser of request
+// lines, headers and chunks, and the writer of responses. What it leaves open is closed here, in one hook
+// (receive_head) that sees each request before the library acts on it:
+//   its job list has no bound                        -> BoundedPool
+//   its socket stream waits per byte, not in total    -> Stream over SocketIo, which also bounds the length
+//   of a head a refused body is still read to its end           -> refused from its headers, connection
+//   closed after a lingering read chunked and compressed bodies escape its limit    -> counted as they come;
+//   Content-Encoding is refused a POST without a length reads until the peer ends -> Content-Length: 0 Range
+//   is applied to any body, as often as asked   -> ranges are dropped routes and multipart heads are matched
+//   by regex   -> one route; bodies come to us raw SO_REUSEPORT lets two servers share a port        ->
+//   SO_REUSEADDR only
+#include "server/http_server.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <ctime>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <httplib.h>
+
+#include "renderer/base/error.hpp"
+#include "renderer/base/log.hpp"
+#include "server/framing.hpp"
+#include "server/in_flight.hpp"
+#include "server/metrics.hpp"
+
+namespace furnace {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr int kBacklog = 512;  // the library's own is 5
+constexpr int kMaxRequestsPerConnection = 1000;
+constexpr milliseconds kWatchPeriod{100};  // how soon a client's leaving is seen
+constexpr milliseconds kLinger{1000};
+constexpr std::int64_t kChunkOverhead = 64 << 10;
+
+// One request as it passes through the library's hooks, on the stack of its connection's thread.
+struct Exchange {
+  Request request;
+  Framing framing;
+  SocketIo* io = nullptr;
+  bool head_complete = false;
+  bool replied = false;
+  bool close = false;           // the connection cannot carry another request
+  std::int64_t body_bytes = 0;  // taken from the budget of all bodies
+};
+
+thread_local Exchange* current_exchange = nullptr;
+thread_local bool refusing_connections = false;
+
+bool has_request_body(std::string_view method) {
+  return method == "POST" || method == "PUT" || method == "PATCH";
+}
+
+std::map<std::string, std::string, HeaderLess> joined_headers(const httplib::Headers& headers) {
+  std::map<std::string, std::string, HeaderLess> out;
+  for (const auto& [name, value] : headers) {
+    std::string& joined = out[name];
+    if (!joined.empty()) joined.append(", ");
+    joined.append(value);
+  }
+  // The library puts addresses among the headers.
+  for (const char* added : {"REMOTE_ADDR", "REMOTE_PORT", "LOCAL_ADDR", "LOCAL_PORT"}) out.erase(added);
+  return out;
+}
+
+void fill(httplib::Response& out, Reply reply) {
+  out.status = reply.status;
+  out.body = std::move(reply.body);
+  if (!reply.media_type.empty()) out.set_header("Content-Type", reply.media_type);
+  for (const auto& [name, value] : reply.headers) out.set_header(name, value);
+}
+
+std::string http_date() {
+  return fmt::format("{:%a, %d %b %Y %H:%M:%S GMT}", fmt::gmtime(std::time(nullptr)));
+}
+
+// For replies that the library cannot write because it never had a request.
+std::string raw_response(const Reply& reply) {
+  std::string text = fmt::format(
+      "HTTP/1.1 {} \r\nDate: {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\n",
+      reply.status, http_date(), reply.media_type, reply.body.size());
+  for (const auto& [name, value] : reply.headers) text += fmt::format("{}: {}\r\n", name, value);
+  return text.append("\r\n").append(reply.body);
+}
+
+// What ended a read: time, `too_much` or something else.
+Refusal refusal_for(ReadFault fault, Refusal too_much, Refusal otherwise) {
+  if (fault == ReadFault::kTimeout) return {408, "The request came too slowly."};
+  return fault == ReadFault::kTooMuch ? too_much : otherwise;
+}
+
+// The library's view of a SocketIo.
+class Stream : public httplib::Stream {
+ public:
+  explicit Stream(SocketIo& io) : io_(io) {}
+  bool is_readable() const override { return true; }
+  bool is_writable() const override { return true; }
+  ssize_t read(char* out, size_t size) override { return io_.read(out, size); }
+  ssize_t write(const char* data, size_t size) override {
+    return io_.write(data, size) ? static_cast<ssize_t>(size) : -1;
+  }
+  void get_remote_ip_and_port(std::string&, int&) const override {}
+  void get_local_ip_and_port(std::string&, int&) const override {}
+  socket_t socket() const override { return io_.socket(); }
+
+ private:
+  SocketIo& io_;
+};
+
+// Threads that serve connections; those beyond `max_waiting` are refused on the accepting thread.
+class BoundedPool : public httplib::ThreadPool {
+ public:
+  BoundedPool(int threads, int max_waiting, std::function<void()> on_tick)
+      : ThreadPool(threads), threads_(threads), max_waiting_(max_waiting), on_tick_(std::move(on_tick)) {}
+
+  void enqueue(std::function<void()> serve) override {
+    on_tick_();
+    if (waiting_ >= max_waiting_) {
+      refusing_connections = true;
+      serve();
+      refusing_connections = false;
+      return;
+    }
+    ++waiting_;
+    ThreadPool::enqueue([this, serve = std::move(serve)] {
+      ++busy_;
+      --waiting_;
+      serve();
+      --busy_;
+    });
+  }
+  void on_idle() override { on_tick_(); }
+
+  // Connections wait and every thread is taken.
+  bool under_pressure() const { return waiting_ > 0 && busy_ >= threads_; }
+
+ private:
+  const int threads_;
+  const int max_waiting_;
+  std::function<void()> on_tick_;
+  std::atomic<int> waiting_ = 0;
+  std::atomic<int> busy_ = 0;
+};
+
+}  // namespace
+
+struct HttpServer::State : private httplib::Server {
+  State(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics);
+
+  void start();
+  void stop_serving(milliseconds drain);
+
+  int port = 0;
+
+ private:
+  bool process_and_close_socket(socket_t socket) override;
+  void bind();
+  void install_hooks();
+  void serve_connection(int socket);
+  bool serve_request(SocketIo& io);
+  void receive_head(httplib::Request& head, Exchange& exchange);
+  bool receive_body(const httplib::ContentReader& reader, Exchange& exchange, httplib::Response& out);
+  void answer(Exchange& exchange, httplib::Response& out);
+  void refuse(Exchange& exchange, const Refusal& refusal, httplib::Response& out);
+  void refuse_without_head(Exchange& exchange);
+  void refuse_connection(int socket);
+  void cancel_abandoned();
+
+  const HttpConfig config_;
+  const Dispatcher& dispatcher_;
+  Metrics& metrics_;
+  const std::string too_many_connections_;
+  BoundedPool* pool_ = nullptr;  // the library owns it while it listens
+  InFlight in_flight_;
+  std::atomic<bool> stopping_ = false;
+  std::atomic<std::int64_t> bodies_bytes_ = 0;
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  bool listening_ = false;
+  std::thread accept_thread_;
+};
+
+HttpServer::State::State(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics)
+    : config_(config),
+      dispatcher_(dispatcher),
+      metrics_(metrics),
+      too_many_connections_(raw_response(dispatcher.overloaded())) {
+  install_hooks();
+  bind();
+}
+
+void HttpServer::State::bind() {
+  set_socket_options([](socket_t socket) {
+    const int yes = 1;
+    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  });
+  set_tcp_nodelay(true);
+  set_idle_interval(0, std::chrono::microseconds(kWatchPeriod).count());
+  set_keep_alive_timeout(
+      std::chrono::ceil<std::chrono::seconds>(config_.keep_alive).count());  // told to clients only
+  set_keep_alive_max_count(kMaxRequestsPerConnection);
+  const Address& address = config_.address;
+  port = address.port == 0                          ? bind_to_any_port(address.host)
+         : bind_to_port(address.host, address.port) ? address.port
+                                                    : -1;
+  if (port < 0) {
+    fail(ErrorCode::kUnprocessable, fmt::format("cannot listen on {}:{}: {}", address.host, address.port,
+                                                std::generic_category().message(errno)));
+  }
+  ::listen(svr_sock_, kBacklog);
+}
+
+void HttpServer::State::install_hooks() {
+  new_task_queue = [this] {
+    return pool_ = new BoundedPool(config_.threads, config_.max_connections, [this] { cancel_abandoned(); });
+  };
+  set_pre_routing_handler([this](const httplib::Request& head, httplib::Response& out) {
+    Exchange& exchange = *current_exchange;
+    if (exchange.framing.refusal.status != 0) {
+      refuse(exchange, exchange.framing.refusal, out);
+    } else if (!has_request_body(head.method)) {
+      answer(exchange, out);
+    }
+    return exchange.replied ? HandlerResponse::Handled : HandlerResponse::Unhandled;
+  });
+  const HandlerWithContentReader with_body = [this](const httplib::Request&, httplib::Response& out,
+                                                    const httplib::ContentReader& reader) {
+    if (receive_body(reader, *current_exchange, out)) answer(*current_exchange, out);
+  };
+  Post("/", with_body).Put("/", with_body).Patch("/", with_body);
+  set_error_handler(HandlerWithResponse([this](const httplib::Request&, httplib::Response& out) {
+    Exchange& exchange = *current_exchange;
+    if (exchange.replied) return HandlerResponse::Unhandled;
+    refuse(exchange,
+           refusal_for(exchange.io->fault(), {431, "The request's headers are too long."},
+                       {out.status, "The request's line or headers are malformed or too long."}),
+           out);
+    return HandlerResponse::Handled;
+  }));
+  set_post_routing_handler([this](const httplib::Request&, httplib::Response& out) {
+    out.headers.erase("Accept-Ranges");
+    if (out.status == 304)
+      out.headers.erase("Content-Length");  // the picture's is not known (RFC 9110 section 15.4.5)
+    if (current_exchange->close) {
+      out.headers.erase("Keep-Alive");
+      out.headers.erase("Connection");
+      out.set_header("Connection", "close");
+    }
+    out.set_header("Date", http_date());
+  });
+}
+
+void HttpServer::State::start() {
+  listening_ = true;
+  accept_thread_ = std::thread([this] {
+    listen_after_bind();
+    const std::lock_guard lock(mutex_);
+    listening_ = false;
+    ended_.notify_all();
+  });
+  while (!is_running()) std::this_thread::yield();
+}
+
+void HttpServer::State::stop_serving(milliseconds drain) {
+  if (!accept_thread_.joinable()) return;
+  stopping_ = true;
+  Server::stop();  // the accepting thread now waits for its pool
+  const auto end = Clock::now() + drain;
+  {
+    std::unique_lock lock(mutex_);
+    while (!ended_.wait_for(lock, kWatchPeriod, [this] { return !listening_; })) {
+      if (Clock::now() < end) {
+        cancel_abandoned();
+      } else {
+        in_flight_.cancel_all();
+      }
+    }
+  }
+  accept_thread_.join();
+}
+
+void HttpServer::State::cancel_abandoned() {
+  const int gone = in_flight_.cancel_abandoned();
+  if (gone > 0) metrics_.clients_gone.Increment(gone);
+}
+
+bool HttpServer::State::process_and_close_socket(socket_t socket) {
+  if (refusing_connections) {
+    refuse_connection(socket);
+  } else {
+    // The library parses heads outside of its own catch.
+    try {
+      serve_connection(socket);
+    } catch (const std::exception& stray) {
+      log::error("connection.failed", {{"detail", stray.what()}});
+    }
+  }
+  ::close(socket);
+  return true;
+}
+
+void HttpServer::State::refuse_connection(int socket) {
+  metrics_.connections_refused.Increment();
+  ::send(socket, too_many_connections_.data(), too_many_connections_.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  ::shutdown(socket, SHUT_WR);
+  char unread[4096];
+  while (::recv(socket, unread, sizeof unread, MSG_DONTWAIT) > 0) {
+  }
+}
+
+void HttpServer::State::serve_connection(int socket) {
+  SocketIo io(socket, config_.io);
+  const auto opened = Clock::now();
+  const auto too_late = [this, opened] {
+    return stopping_ || (pool_->under_pressure() && Clock::now() - opened > std::chrono::seconds(1));
+  };
+  bool more = io.wait_for_request(config_.io.header_timeout, too_late);
+  for (int served = 1; more && serve_request(io) && served < kMaxRequestsPerConnection; ++served) {
+    more = io.wait_for_request(config_.keep_alive, [this] { return stopping_ || pool_->under_pressure(); });
+  }
+}
+
+// Returns whether the connection may carry another request.
+bool HttpServer::State::serve_request(SocketIo& io) {
+  Exchange exchange;
+  exchange.io = &io;
+  current_exchange = &exchange;
+  Stream stream(io);
+  io.begin_head([this] { return pool_->under_pressure(); });
+  bool closed_by_header = false;
+  const bool last = stopping_ || pool_->under_pressure();
+  const bool written =
+      process_request(stream, last, closed_by_header,
+                      [this, &exchange](httplib::Request& head) { receive_head(head, exchange); });
+  if (!exchange.replied) refuse_without_head(exchange);
+  bodies_bytes_ -= exchange.body_bytes;
+  current_exchange = nullptr;
+  if (exchange.replied && (exchange.close || !exchange.head_complete)) io.linger(kLinger);
+  return written && exchange.head_complete && !exchange.close && !closed_by_header && !last;
+}
+
+// Takes what we need from a head, then leaves the library only what it must know to read the body.
+void HttpServer::State::receive_head(httplib::Request& head, Exchange& exchange) {
+  exchange.head_complete = true;
+  Request& request = exchange.request;
+  request.method = head.method;
+  request.path = head.path;
+  request.query =
+      head.target.find('?') == std::string::npos ? "" : head.target.substr(head.target.find('?') + 1);
+  request.headers = joined_headers(head.headers);
+  request.id =
+      is_sane_request_id(request.header("X-Request-Id")) ? request.headers["X-Request-Id"] : new_request_id();
+  exchange.framing = read_framing(request, head.version, config_.max_body_bytes);
+
+  const Framing& framing = exchange.framing;
+  const bool announces_body = framing.chunked || framing.content_length > 0;
+  exchange.close = framing.refusal.status != 0 || (announces_body && !has_request_body(request.method));
+
+  httplib::Headers kept;
+  kept.emplace("Connection", std::string(request.header("Connection")));
+  if (framing.chunked) {
+    kept.emplace("Transfer-Encoding", "chunked");
+  } else {
+    kept.emplace("Content-Length", std::to_string(framing.content_length));
+  }
+  if (announces_body && !exchange.close && request.headers.contains("Expect"))
+    kept.emplace("Expect", "100-continue");
+  head.headers = std::move(kept);
+  head.ranges.clear();
+  head.path = "/";
+  exchange.io->begin_body(config_.max_body_bytes + config_.max_body_bytes / 4 + kChunkOverhead);
+}
+
+bool HttpServer::State::receive_body(const httplib::ContentReader& reader, Exchange& exchange,
+                                     httplib::Response& out) {
+  std::string& body = exchange.request.body;
+  Refusal refusal;
+  const bool complete = reader([&](const char* data, size_t size) {
+    if (static_cast<std::int64_t>(body.size() + size) > config_.max_body_bytes) {
+      refusal = {413, fmt::format("The body may have {} bytes.", config_.max_body_bytes)};
+      return false;
+    }
+    exchange.body_bytes += static_cast<std::int64_t>(size);
+    if ((bodies_bytes_ += static_cast<std::int64_t>(size)) > config_.max_bodies_bytes) {
+      refusal = {429, "Too many large requests at once; try again in a moment."};
+      return false;
+    }
+    body.append(data, size);
+    return true;
+  });
+  if (complete) return true;
+  if (refusal.status == 0) {
+    refusal = refusal_for(exchange.io->fault(), {413, "The body is too large."},
+                          {400, "The body ended early or its chunks are malformed."});
+  }
+  refuse(exchange, refusal, out);
+  return false;
+}
+
+void HttpServer::State::answer(Exchange& exchange, httplib::Response& out) {
+  const InFlight::Entry entry(in_flight_, exchange.io->socket());
+  exchange.request.deadline = Deadline(config_.timeout, entry.token());
+  fill(out, dispatcher_.handle(exchange.request));
+  exchange.replied = true;
+}
+
+void HttpServer::State::refuse(Exchange& exchange, const Refusal& refusal, httplib::Response& out) {
+  if (exchange.request.id.empty()) exchange.request.id = new_request_id();
+  exchange.close = true;
+  exchange.replied = true;
+  out = httplib::Response();
+  out.version = "HTTP/1.1";
+  fill(out, dispatcher_.refuse(exchange.request, refusal));
+}
+
+// The library gave up silently: the head never came to its end.
+void HttpServer::State::refuse_without_head(Exchange& exchange) {
+  const Refusal refusal = refusal_for(exchange.io->fault(), {414, "The request's line is too long."}, {});
+  if (refusal.status == 0) return;
+  exchange.request.id = new_request_id();
+  const std::string text = raw_response(dispatcher_.refuse(exchange.request, refusal));
+  exchange.replied = exchange.io->write(text.data(), text.size());
+}
+
+HttpServer::HttpServer(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics)
+    : state_(std::make_unique<State>(config, dispatcher, metrics)) {}
+HttpServer::~HttpServer() {
+  state_->stop_serving(milliseconds(0));
+}
+
+int HttpServer::port() const {
+  return state_->port;
+}
+void HttpServer::start() {
+  state_->start();
+}
+void HttpServer::stop(milliseconds drain) {
+  state_->stop_serving(drain);
+}
+
+}  // namespace furnace

@@ -1,0 +1,54 @@
+// HTTP as plain values: what routes take and return. No socket, no library.
+#pragma once
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "renderer/base/deadline.hpp"
+
+namespace furnace {
+
+// Header names compare without case (RFC 9110 section 5.1).
+struct HeaderLess {
+  using is_transparent = void;
+  bool operator()(std::string_view a, std::string_view b) const {
+    return std::lexicographical_compare(
+        a.begin(), a.end(), b.begin(), b.end(),
+        [](unsigned char x, unsigned char y) { return std::tolower(x) < std::tolower(y); });
+  }
+};
+
+// Threads: one. Owns: its bytes.
+struct Request {
+  std::string method;                                      // "GET", ...
+  std::string path;                                        // percent-decoded, without query
+  std::string query;                                       // as sent, without "?"
+  std::map<std::string, std::string, HeaderLess> headers;  // repeated fields joined by ", "
+  std::string body;
+  std::string id;  // request id: goes into the log, the reply and problem documents
+  Deadline deadline;
+
+  std::string_view header(std::string_view name) const {
+    const auto found = headers.find(name);
+    return found == headers.end() ? std::string_view{} : std::string_view{found->second};
+  }
+};
+
+struct Reply {
+  int status = 200;
+  std::string media_type;  // empty: no Content-Type
+  std::string body;
+  std::vector<std::pair<std::string, std::string>> headers;
+
+  Reply& with(std::string name, std::string value) {
+    headers.emplace_back(std::move(name), std::move(value));
+    return *this;
+  }
+};
+
+}  // namespace furnace

@@ -1,0 +1,108 @@
+#include "server/metrics.hpp"
+
+#include <prometheus/text_serializer.h>
+
+namespace furnace {
+namespace {
+
+using prometheus::BuildCounter;
+using prometheus::BuildGauge;
+using prometheus::BuildHistogram;
+
+// Seconds: from a cached tiny picture to the longest time a request may have.
+const prometheus::Histogram::BucketBoundaries kSecondsBuckets = {
+    0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 30, 60};
+
+constexpr double kSecondsPerMs = 1e-3;
+
+}  // namespace
+
+Metrics::Metrics(std::string_view build)
+    : requests(BuildCounter().Name("furnace_requests_total").Help("Answered requests").Register(registry_)),
+      request_seconds(BuildHistogram()
+                          .Name("furnace_request_seconds")
+                          .Help("From a complete request to its reply, the wait for a seat included")
+                          .Register(registry_)),
+      requests_in_flight(BuildGauge()
+                             .Name("furnace_requests_in_flight")
+                             .Help("Requests being answered")
+                             .Register(registry_)
+                             .Add({})),
+      connections_refused(BuildCounter()
+                              .Name("furnace_connections_refused_total")
+                              .Help("Connections refused because too many were waiting")
+                              .Register(registry_)
+                              .Add({})),
+      clients_gone(BuildCounter()
+                       .Name("furnace_clients_gone_total")
+                       .Help("Requests cancelled because the client went away")
+                       .Register(registry_)
+                       .Add({})),
+      seats_in_use(
+          BuildGauge().Name("furnace_seats_in_use").Help("Renders worked on").Register(registry_).Add({})),
+      queue_length(
+          BuildGauge().Name("furnace_queue_length").Help("Renders waiting").Register(registry_).Add({})),
+      renders(
+          BuildCounter().Name("furnace_renders_total").Help("Pictures drawn").Register(registry_).Add({})),
+      not_modified(BuildCounter()
+                       .Name("furnace_renders_not_modified_total")
+                       .Help("Renders answered 304 without drawing")
+                       .Register(registry_)
+                       .Add({})),
+      pixels(BuildCounter()
+                 .Name("furnace_pixels_total")
+                 .Help("Pixels of all pictures drawn")
+                 .Register(registry_)
+                 .Add({})),
+      notes(BuildCounter()
+                .Name("furnace_notes_total")
+                .Help("What could not be drawn as asked, by code")
+                .Register(registry_)),
+      stage_seconds(BuildHistogram()
+                        .Name("furnace_stage_seconds")
+                        .Help("Time of a render's stages")
+                        .Register(registry_)),
+      cache_lookups(
+          BuildCounter().Name("furnace_cache_lookups_total").Help("Hits and misses").Register(registry_)),
+      ready(BuildGauge()
+                .Name("furnace_ready")
+                .Help("1 when the last probe picture was right")
+                .Register(registry_)
+                .Add({})) {
+  BuildGauge()
+      .Name("furnace_build_info")
+      .Help("Always 1; the label says which build this is")
+      .Register(registry_)
+      .Add({{"build", std::string(build)}})
+      .Set(1);
+}
+
+void Metrics::observe_request(std::string_view route, int status, double seconds) {
+  requests.Add({{"route", std::string(route)}, {"status", std::to_string(status)}}).Increment();
+  request_seconds.Add({{"route", std::string(route)}}, kSecondsBuckets).Observe(seconds);
+}
+
+void Metrics::observe_stages(const StageTimes& times) {
+  const auto stage = [this](const char* name, double ms) {
+    stage_seconds.Add({{"stage", name}}, kSecondsBuckets).Observe(ms * kSecondsPerMs);
+  };
+  const auto lookup = [this](const char* cache, bool hit) {
+    cache_lookups.Add({{"cache", cache}, {"result", hit ? "hit" : "miss"}}).Increment();
+  };
+  stage("queue", times.queue_ms);
+  stage("decode", times.decode_ms);
+  stage("bake", times.bake_ms);
+  stage("upload", times.upload_ms);
+  stage("draw", times.draw_ms);
+  stage("readback", times.readback_ms);
+  stage("encode", times.encode_ms);
+  lookup("scene", times.decode_hit);
+  lookup("bake", times.bake_hit);
+  lookup("gpu", times.upload_hit);
+}
+
+std::string Metrics::text() const {
+  return prometheus::TextSerializer().Serialize(registry_.Collect());
+}
+
+}  // namespace furnace

@@ -1,0 +1,48 @@
+// Every metric is a member here, so this header is the list.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <prometheus/counter.h>
+#include <prometheus/family.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+
+#include "renderer/renderer.hpp"
+
+namespace furnace {
+
+// Threads: any. Owns: all metrics.
+class Metrics {
+ private:
+  prometheus::Registry registry_;  // first: the members below live in it
+
+ public:
+  explicit Metrics(std::string_view build);
+
+  prometheus::Family<prometheus::Counter>& requests;           // route, status
+  prometheus::Family<prometheus::Histogram>& request_seconds;  // route
+  prometheus::Gauge& requests_in_flight;
+  prometheus::Counter& connections_refused;
+  prometheus::Counter& clients_gone;
+
+  prometheus::Gauge& seats_in_use;
+  prometheus::Gauge& queue_length;
+
+  prometheus::Counter& renders;
+  prometheus::Counter& not_modified;
+  prometheus::Counter& pixels;
+  prometheus::Family<prometheus::Counter>& notes;            // code
+  prometheus::Family<prometheus::Histogram>& stage_seconds;  // stage
+  prometheus::Family<prometheus::Counter>& cache_lookups;    // cache, result
+  prometheus::Gauge& ready;
+
+  void observe_request(std::string_view route, int status, double seconds);
+  void observe_stages(const StageTimes& times);
+
+  std::string text() const;  // Prometheus text format
+};
+
+}  // namespace furnace

@@ -1,0 +1,253 @@
+#include "server/routes.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "renderer/assets/asset_resolver.hpp"
+#include "renderer/base/content_hash.hpp"
+#include "renderer/base/error.hpp"
+#include "renderer/base/log.hpp"
+#include "api/contract.hpp"
+#include "api/document.hpp"
+#include "api/render_request.hpp"
+#include "server/build_id.hpp"
+#include "server/multipart.hpp"
+#include "server/negotiation.hpp"
+
+namespace furnace {
+namespace {
+
+constexpr std::string_view kJson = "application/json";
+constexpr std::string_view kPlainText = "text/plain; charset=utf-8";
+constexpr std::string_view kRequestPart = "request";
+constexpr std::size_t kMaxNoteCodes = 8;  // in a header; the metrics count them all
+
+// --- POST /v1/renders
+// -------------------------------------------------------------------------------------------------
+
+// The two halves of a body: the document and the files it may name.
+struct RenderBody {
+  std::string_view document = "{}";
+  std::map<std::string, Blob> parts;
+};
+
+// A file is found under its part's name and its own name; a part name given twice (a form's multiple files)
+// under neither.
+std::map<std::string, Blob> named_files(const std::vector<Part>& parts) {
+  std::map<std::string, Blob> files;
+  std::map<std::string, int> uses;
+  for (const Part& part : parts) ++uses[part.name];
+  std::set<std::string> file_names;
+  for (const Part& part : parts) {
+    if (part.name == kRequestPart) continue;
+    const Blob blob{std::string(part.body)};
+    if (!part.file_name.empty() && !file_names.insert(part.file_name).second) {
+      fail(ErrorCode::kInvalidRequest,
+           fmt::format("Two parts have the file name {}.", api::quoted(part.file_name)));
+    }
+    if (uses[part.name] == 1) files[part.name] = blob;
+    if (!part.file_name.empty()) files.emplace(part.file_name, blob);
+  }
+  return files;
+}
+
+RenderBody read_multipart(const Request& request, int max_parts) {
+  RenderBody body;
+  const std::vector<Part> parts = parse_multipart(request.body, request.header("Content-Type"), max_parts);
+  const auto documents = std::ranges::count(parts, kRequestPart, &Part::name);
+  if (documents > 1) fail(ErrorCode::kInvalidRequest, "There is more than one part named request.");
+  if (documents == 1) body.document = std::ranges::find(parts, kRequestPart, &Part::name)->body;
+  body.parts = named_files(parts);
+  return body;
+}
+
+RenderBody read_body(const Request& request, int max_parts) {
+  const std::string type = media_type_essence(request.header("Content-Type"));
+  if (type == "multipart/form-data") return read_multipart(request, max_parts);
+  if (type.empty() && request.body.empty()) return {};
+  if (type != kJson) {
+    fail(ErrorCode::kUnsupportedMedia,
+         "Send the request as Content-Type: application/json, or as multipart/form-data with a part named "
+         "request.");
+  }
+  return {request.body, {}};
+}
+
+// What Accept likes best; PNG when it does not care.
+OutputFormat preferred_format(std::string_view accept) {
+  const double png = accept_quality(accept, media_type_of(OutputFormat::kPng));
+  const double exr = accept_quality(accept, media_type_of(OutputFormat::kExr));
+  if (png <= 0 && exr <= 0) fail(ErrorCode::kNotAcceptable, "A render is image/png or image/x-exr.");
+  return exr > png ? OutputFormat::kExr : OutputFormat::kPng;
+}
+
+bool names_format(std::string_view document, const api::RequestLimits& limits) {
+  const auto parsed = api::Document::parse(document, {limits.max_json_depth, limits.max_json_bytes});
+  return static_cast<bool>(parsed.root()["output"]["format"]);
+}
+
+// A format in the document wins, unless Accept excludes it; without one Accept chooses.
+RenderSpec parse_spec(const RenderBody& body, std::string_view accept, const Doors& doors) {
+  const OutputFormat preferred = preferred_format(accept);
+  const api::Capabilities& can = doors.capabilities;
+  const AssetResolver assets(doors.files, body.parts, can.import);
+  RenderSpec spec = api::parse_render_request(body.document, assets, can.request);
+  if (!names_format(body.document, can.request)) {
+    spec.output.format = preferred;
+  } else if (accept_quality(accept, media_type_of(spec.output.format)) <= 0) {
+    fail(ErrorCode::kNotAcceptable,
+         fmt::format("output.format asks for {}, which Accept refuses.", media_type_of(spec.output.format)),
+         "/output/format");
+  }
+  return spec;
+}
+
+std::string server_timing(const StageTimes& times) {
+  const auto stage = [](std::string_view name, double ms, bool hit) {
+    return fmt::format("{}{};dur={:.2f}", name, hit ? ";desc=hit" : "", ms);
+  };
+  return fmt::format("{}, {}, {}, {}, {}, {}, {}", stage("queue", times.queue_ms, false),
+                     stage("decode", times.decode_ms, times.decode_hit),
+                     stage("bake", times.bake_ms, times.bake_hit),
+                     stage("upload", times.upload_ms, times.upload_hit), stage("draw", times.draw_ms, false),
+                     stage("readback", times.readback_ms, false), stage("encode", times.encode_ms, false));
+}
+
+// A structured field (RFC 8941): how many notes, and their codes, each once.
+std::string notes_field(const std::vector<Note>& notes) {
+  std::vector<std::string_view> codes;
+  for (const Note& note : notes) {
+    if (codes.size() < kMaxNoteCodes && std::ranges::find(codes, note.code) == codes.end())
+      codes.push_back(note.code);
+  }
+  if (codes.empty()) return "0";
+  return fmt::format("{};codes=\"{}\"", notes.size(), fmt::join(codes, " "));
+}
+
+Reply& with_validators(Reply& reply, const Doors& doors, const std::string& etag) {
+  return reply.with("ETag", '"' + etag + '"')
+      .with("Vary", "Accept")
+      .with("Cache-Control", "no-cache")
+      .with("Furnace-Fingerprint", doors.service.fingerprint());
+}
+
+void count_render(Metrics& metrics, const RenderSpec& spec, const EncodedImage& image) {
+  metrics.renders.Increment();
+  metrics.pixels.Increment(double(spec.output.width) * spec.output.height);
+  metrics.observe_stages(image.times);
+  for (const Note& note : image.notes) metrics.notes.Add({{"code", note.code}}).Increment();
+}
+
+Reply post_render(const Doors& doors, const Request& request) {
+  const RenderSpec spec = parse_spec(read_body(request, doors.max_parts), request.header("Accept"), doors);
+  const std::string etag = doors.service.etag(spec);
+  if (etag_matches(request.header("If-None-Match"), etag)) {
+    doors.metrics.not_modified.Increment();
+    Reply unchanged{304, {}, {}, {}};
+    return with_validators(unchanged, doors, etag);
+  }
+  EncodedImage image = doors.service.render(spec, request.deadline);
+  count_render(doors.metrics, spec, image);
+  for (const Note& note : image.notes) {
+    log::info("render.note", {{"code", note.code}, {"pointer", note.pointer}, {"message", note.message}});
+  }
+  Reply reply{200, std::string(image.media_type), std::move(image.bytes), {}};
+  reply.with("Server-Timing", server_timing(image.times)).with("Furnace-Notes", notes_field(image.notes));
+  return with_validators(reply, doors, etag);
+}
+
+// --- documents
+// --------------------------------------------------------------------------------------------------------
+
+// The same text for every request, with its hash as its tag.
+Route document(std::string_view path, std::string_view media_type, std::string text) {
+  const std::string etag = hash_bytes(std::as_bytes(std::span(text))).hex();
+  return {"GET", path, [media_type, text = std::move(text), etag](const Request& request) {
+            const bool unchanged = etag_matches(request.header("If-None-Match"), etag);
+            Reply reply = unchanged ? Reply{304, {}, {}, {}} : Reply{200, std::string(media_type), text, {}};
+            return reply.with("ETag", '"' + etag + '"').with("Cache-Control", "no-cache");
+          }};
+}
+
+std::string welcome() {
+  return fmt::format(
+      "Furnace {}: one JSON document describes one picture.\n\n"
+      "  curl -X POST http://HOST:PORT/v1/renders -H 'Content-Type: application/json' -d '{{}}' -o "
+      "picture.png\n\n"
+      "GET /v1/schema.json      every field of the document, with unit, range and default\n"
+      "GET /openapi.json        the whole API\n"
+      "GET /v1/capabilities     formats, limits, extensions, fingerprint\n"
+      "GET /readyz              draws a probe picture and checks it\n",
+      version());
+}
+
+// --- operations
+// -------------------------------------------------------------------------------------------------------
+
+Reply plain(std::string text) {
+  return Reply{200, std::string(kPlainText), std::move(text), {}}.with("Cache-Control", "no-store");
+}
+
+Reply get_metrics(const Doors& doors) {
+  doors.metrics.seats_in_use.Set(doors.admission.seats_in_use());
+  doors.metrics.queue_length.Set(doors.admission.waiting());
+  return Reply{200, "text/plain; version=0.0.4; charset=utf-8", doors.metrics.text(), {}}.with(
+      "Cache-Control", "no-store");
+}
+
+Reply get_ready(const Doors& doors) {
+  doors.metrics.ready.Set(0);
+  doors.readiness.check();
+  doors.metrics.ready.Set(1);
+  return plain("ready\n");
+}
+
+}  // namespace
+
+void Readiness::check() {
+  if (draining_) fail(ErrorCode::kGpuUnavailable, "The server is shutting down.");
+  const std::lock_guard lock(mutex_);
+  if (Clock::now() < good_until_) return;
+  bool right = false;
+  try {
+    right = probe_(Deadline(timeout_));
+  } catch (const Error& error) {
+    fail(ErrorCode::kGpuUnavailable, "The probe picture could not be drawn: " + error.message, {},
+         error.detail);
+  }
+  if (!right)
+    fail(ErrorCode::kGpuUnavailable,
+         "The probe picture came out wrong; furnace doctor examines the machine.");
+  good_until_ = Clock::now() + std::chrono::seconds(1);
+}
+
+std::vector<Route> operation_routes(const Doors& doors, bool with_metrics) {
+  std::vector<Route> routes = {
+      {"GET", "/livez", [](const Request&) { return plain("alive\n"); }},
+      {"GET", "/readyz", [doors](const Request&) { return get_ready(doors); }},
+      document("/version", kJson, api::version_json(doors.capabilities.version)),
+  };
+  if (with_metrics)
+    routes.push_back({"GET", "/metrics", [doors](const Request&) { return get_metrics(doors); }});
+  return routes;
+}
+
+std::vector<Route> public_routes(const Doors& doors, bool with_metrics) {
+  std::vector<Route> routes = operation_routes(doors, with_metrics);
+  routes.push_back(
+      {"POST", "/v1/renders", [doors](const Request& request) { return post_render(doors, request); }});
+  routes.push_back(
+      document("/v1/schema.json", "application/schema+json", std::string(api::render_request_schema())));
+  routes.push_back(document("/openapi.json", kJson, api::openapi_document(version())));
+  routes.push_back(document("/v1/capabilities", kJson, api::capabilities_json(doors.capabilities)));
+  routes.push_back(document("/", kPlainText, welcome()));
+  return routes;
+}
+
+}  // namespace furnace

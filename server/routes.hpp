@@ -1,0 +1,53 @@
+// The route table and its handlers.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <vector>
+
+#include "api/capabilities.hpp"
+#include "server/dispatcher.hpp"
+#include "server/metrics.hpp"
+#include "server/render_service.hpp"
+
+namespace furnace {
+
+// Whether this process can draw: asks with a real picture, at most once a second.
+// Threads: any. Owns: the last answer.
+class Readiness {
+ public:
+  // Draws a probe and checks its pixels; may throw an Error.
+  using Probe = std::function<bool(const Deadline&)>;
+  Readiness(Probe probe, std::chrono::milliseconds timeout) : probe_(std::move(probe)), timeout_(timeout) {}
+
+  // Errors: kGpuUnavailable when draining or when the probe was wrong, late or failed.
+  void check();
+  void drain() { draining_ = true; }
+
+ private:
+  Probe probe_;
+  std::chrono::milliseconds timeout_;
+  std::atomic<bool> draining_ = false;
+  std::mutex mutex_;  // one probe at a time
+  Clock::time_point good_until_{};
+};
+
+// What handlers work with; everything outlives the routes.
+struct Doors {
+  RenderService& service;
+  Admission& admission;
+  FileAssets& files;
+  Readiness& readiness;
+  Metrics& metrics;
+  api::Capabilities capabilities;  // with the limits that requests are held to
+  int max_parts = 64;
+};
+
+// Health and version; metrics too when `with_metrics`.
+std::vector<Route> operation_routes(const Doors& doors, bool with_metrics);
+// Everything, operations included.
+std::vector<Route> public_routes(const Doors& doors, bool with_metrics);
+
+}  // namespace furnace

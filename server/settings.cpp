@@ -1,0 +1,235 @@
+#include "server/settings.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace furnace {
+namespace {
+
+using Unit = SettingUnit;
+
+constexpr std::int64_t kMiB = 1ll << 20;
+constexpr std::int64_t kGiB = 1ll << 30;
+constexpr std::int64_t kSecond = 1000;  // ms
+
+constexpr Setting text(std::string_view name, std::string Config::*member, Unit unit, std::string_view help,
+                       std::string_view choices = {}) {
+  return {name, member, unit, 0, 0, choices, help};
+}
+template <class Number>
+constexpr Setting number(std::string_view name, Number Config::*member, Unit unit, std::int64_t min,
+                         std::int64_t max, std::string_view help) {
+  return {name, member, unit, min, max, {}, help};
+}
+
+constexpr std::array kSettings = {
+    text("listen", &Config::listen, Unit::kAddress, "address of the API; port 0 takes a free one"),
+    text("admin-listen", &Config::admin_listen, Unit::kAddress,
+         "second address with health and metrics only, answered whatever the load; metrics then leave the "
+         "main one"),
+    text("device", &Config::device, Unit::kText,
+         "auto, software, an EGL device index or a PCI address; see furnace doctor"),
+    text("determinism", &Config::determinism, Unit::kChoice,
+         "fast: same bytes on one machine; exact: software, same bytes on any x86-64 with the same Mesa",
+         "fast|exact"),
+    text("shader-dir", &Config::shader_dir, Unit::kFolder,
+         "read shaders from here instead of the binary (development)"),
+    Setting{"assets",
+            &Config::assets,
+            Unit::kFolder,
+            0,
+            0,
+            {},
+            "folder that file: references may read from; may be given more than once (in one value: "
+            "separated by ':')"},
+    text("log-level", &Config::log_level, Unit::kChoice, "least level that is logged",
+         "debug|info|warning|error|off"),
+
+    number("seats", &Config::seats, Unit::kCount, 0, 1024, "renders worked on at once; 0: cores + 1"),
+    number("queue", &Config::queue, Unit::kCount, 0, 4096,
+           "renders that may wait for a seat; more are answered 429"),
+    number("cpu-threads", &Config::cpu_threads, Unit::kCount, 0, 1024,
+           "threads that decode, bake and encode; 0: cores"),
+    number("timeout", &Config::timeout_ms, Unit::kDuration, 1, 3600 * kSecond,
+           "time of one request, the wait for a seat included; then 504"),
+    number("ready-timeout", &Config::ready_timeout_ms, Unit::kDuration, 10, 600 * kSecond,
+           "time of the picture that /readyz draws"),
+    number("drain-timeout", &Config::drain_timeout_ms, Unit::kDuration, 0, 3600 * kSecond,
+           "after SIGTERM, time for requests at work to end"),
+
+    number("max-body", &Config::max_body_bytes, Unit::kBytes, 1024, kGiB,
+           "largest request body; more is 413"),
+    number("max-bodies", &Config::max_bodies_bytes, Unit::kBytes, 1024, 64 * kGiB,
+           "largest sum of all request bodies held at once; more is 429"),
+    number("max-parts", &Config::max_parts, Unit::kCount, 1, 4096, "parts of one multipart request"),
+    number("max-json", &Config::max_json_bytes, Unit::kBytes, 1024, 256 * kMiB, "largest request document"),
+    number("max-side", &Config::max_side_px, Unit::kCount, 1, 16384,
+           "largest width or height of a picture, px"),
+    number("max-area", &Config::max_area_px, Unit::kCount, 1, 256ll << 20,
+           "largest width * height of a picture, px"),
+    number("max-samples", &Config::max_samples, Unit::kCount, 1, 4096, "most samples a request may ask for"),
+
+    number("max-connections", &Config::max_connections, Unit::kCount, 1, 65536,
+           "connections that may wait for a thread; more are refused"),
+    number("keep-alive", &Config::keep_alive_ms, Unit::kDuration, 0, 600 * kSecond,
+           "how long an idle connection is kept (it holds a thread)"),
+    number("header-timeout", &Config::header_timeout_ms, Unit::kDuration, 10, 600 * kSecond,
+           "time for a request's line and headers to arrive"),
+    number("io-timeout", &Config::io_timeout_ms, Unit::kDuration, 10, 600 * kSecond,
+           "longest standstill while a body is sent or received"),
+
+    number("scene-cache", &Config::scene_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,
+           "parsed scenes kept in memory"),
+    number("bake-cache", &Config::bake_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,
+           "baked environments kept in memory"),
+    number("gpu-cache", &Config::gpu_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,
+           "meshes, textures and environments kept on the GPU"),
+    number("file-cache", &Config::file_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,
+           "files below --assets kept in memory"),
+    number("max-file", &Config::max_file_bytes, Unit::kBytes, 1024, 1024 * kGiB,
+           "largest file below --assets"),
+};
+
+struct Suffix {
+  std::string_view text;
+  std::int64_t factor;
+};
+constexpr std::array kByteSuffixes = {Suffix{"", 1}, Suffix{"KiB", 1 << 10}, Suffix{"MiB", kMiB},
+                                      Suffix{"GiB", kGiB}};
+constexpr std::array kTimeSuffixes = {Suffix{"ms", 1}, Suffix{"s", kSecond}, Suffix{"min", 60 * kSecond}};
+constexpr std::array kCountSuffixes = {Suffix{"", 1}};
+
+std::span<const Suffix> suffixes_of(Unit unit) {
+  if (unit == Unit::kBytes) return kByteSuffixes;
+  if (unit == Unit::kDuration) return kTimeSuffixes;
+  return kCountSuffixes;
+}
+
+std::optional<std::int64_t> parse_number(std::string_view text, Unit unit) {
+  std::int64_t value = 0;
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (fault != std::errc{}) return std::nullopt;
+  const std::string_view suffix(end, text.data() + text.size() - end);
+  for (const Suffix& known : suffixes_of(unit)) {
+    std::int64_t scaled = 0;
+    if (suffix == known.text && !__builtin_mul_overflow(value, known.factor, &scaled)) return scaled;
+  }
+  return std::nullopt;
+}
+
+// In the largest suffix that divides it.
+std::string number_text(std::int64_t value, Unit unit) {
+  const auto suffixes = suffixes_of(unit);
+  const Suffix* best = &suffixes.front();
+  for (const Suffix& suffix : suffixes) {
+    if (value != 0 && value % suffix.factor == 0) best = &suffix;
+  }
+  return fmt::format("{}{}", value / best->factor, best->text);
+}
+
+std::string_view number_form(Unit unit) {
+  if (unit == Unit::kBytes) return "a size such as 64MiB";
+  if (unit == Unit::kDuration) return "a time such as 30s or 250ms";
+  return "a whole number";
+}
+
+bool is_choice(std::string_view value, std::string_view choices) {
+  while (!choices.empty()) {
+    const std::size_t bar = std::min(choices.find('|'), choices.size());
+    if (choices.substr(0, bar) == value) return true;
+    choices.remove_prefix(std::min(bar + 1, choices.size()));
+  }
+  return false;
+}
+
+std::string check_folder(std::string_view path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return {};
+  return fmt::format("'{}' is not a folder", path);
+}
+
+std::string check_text(const Setting& setting, std::string_view value) {
+  switch (setting.unit) {
+    case Unit::kChoice:
+      if (is_choice(value, setting.choices)) return {};
+      return fmt::format("'{}' is not one of {}", value, setting.choices);
+    case Unit::kAddress:
+      if (value.empty() || parse_address(value)) return {};
+      return fmt::format("'{}' is not an address such as 127.0.0.1:8080", value);
+    case Unit::kFolder:
+      return value.empty() ? std::string{} : check_folder(value);
+    default:
+      return {};
+  }
+}
+
+std::string assign_list(std::vector<std::string>& list, std::string_view value) {
+  while (!value.empty()) {
+    const std::size_t end = std::min(value.find(':'), value.size());
+    const std::string_view item = value.substr(0, end);
+    if (!item.empty()) {
+      if (std::string problem = check_folder(item); !problem.empty()) return problem;
+      list.emplace_back(item);
+    }
+    value.remove_prefix(std::min(end + 1, value.size()));
+  }
+  return {};
+}
+
+}  // namespace
+
+std::span<const Setting> all_settings() {
+  return kSettings;
+}
+
+const Setting* find_setting(std::string_view name) {
+  const auto found = std::ranges::find(kSettings, name, &Setting::name);
+  return found == kSettings.end() ? nullptr : &*found;
+}
+
+std::string environment_name(const Setting& setting) {
+  std::string name = "FURNACE_";
+  for (const char c : setting.name) name += c == '-' ? '_' : static_cast<char>(std::toupper(c));
+  return name;
+}
+
+std::string assign(const Setting& setting, std::string_view text, Config& config) {
+  if (const auto* member = std::get_if<std::string Config::*>(&setting.member)) {
+    std::string problem = check_text(setting, text);
+    if (problem.empty()) config.** member = std::string(text);
+    return problem;
+  }
+  if (const auto* member = std::get_if<std::vector<std::string> Config::*>(&setting.member)) {
+    return assign_list(config.**member, text);
+  }
+  const std::optional<std::int64_t> value = parse_number(text, setting.unit);
+  if (!value) return fmt::format("'{}' is not {}", text, number_form(setting.unit));
+  if (*value < setting.min || *value > setting.max) {
+    return fmt::format("{} is outside of {} to {}", text, number_text(setting.min, setting.unit),
+                       number_text(setting.max, setting.unit));
+  }
+  if (const auto* member = std::get_if<int Config::*>(&setting.member))
+    config.** member = static_cast<int>(*value);
+  if (const auto* member = std::get_if<std::int64_t Config::*>(&setting.member)) config.** member = *value;
+  return {};
+}
+
+std::string value_text(const Setting& setting, const Config& config) {
+  if (const auto* member = std::get_if<std::string Config::*>(&setting.member)) return config.**member;
+  if (const auto* member = std::get_if<int Config::*>(&setting.member))
+    return number_text(config.**member, setting.unit);
+  if (const auto* member = std::get_if<std::int64_t Config::*>(&setting.member)) {
+    return number_text(config.**member, setting.unit);
+  }
+  return fmt::format("{}",
+                     fmt::join(config.*std::get<std::vector<std::string> Config::*>(setting.member), ":"));
+}
+
+}  // namespace furnace

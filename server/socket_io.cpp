@@ -1,0 +1,150 @@
+#include "server/socket_io.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <utility>
+
+#include <poll.h>
+#include <sys/socket.h>
+
+namespace furnace {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr std::size_t kBufferBytes = 16 << 10;
+constexpr milliseconds kSlice{50};            // how often a wait looks up
+constexpr milliseconds kHurriedHeader{1000};  // time for headers while others wait for a thread
+constexpr std::int64_t kMaxLingerBytes = 256ll << 20;
+
+// True when the socket is ready (or broken: the next call on it tells).
+bool wait_ready(int socket, short events, milliseconds patience) {
+  pollfd entry{socket, events, 0};
+  return ::poll(&entry, 1, static_cast<int>(std::max<std::int64_t>(0, patience.count()))) > 0;
+}
+
+}  // namespace
+
+bool SocketIo::wait_for_request(milliseconds patience, const std::function<bool()>& give_up) {
+  if (next_ < buffer_.size()) return true;
+  const auto end = Clock::now() + patience;
+  do {
+    if (wait_ready(socket_, POLLIN, std::min(kSlice, patience))) return true;
+  } while (Clock::now() < end && !give_up());
+  return false;
+}
+
+void SocketIo::begin_head(std::function<bool()> hurry) {
+  in_head_ = true;
+  hurry_ = std::move(hurry);
+  begin_ = Clock::now();
+  received_bytes_ = 0;
+  max_bytes_ = limits_.max_head_bytes;
+  fault_ = ReadFault::kNone;
+}
+
+void SocketIo::begin_body(std::int64_t max_bytes) {
+  in_head_ = false;
+  begin_ = Clock::now();
+  received_bytes_ = 0;
+  max_bytes_ = max_bytes;
+}
+
+ssize_t SocketIo::read(char* out, std::size_t size) {
+  if (received_bytes_ >= max_bytes_) {
+    fault_ = ReadFault::kTooMuch;
+    return -1;
+  }
+  if (next_ == buffer_.size() && !fill()) return -1;
+  const std::size_t count =
+      std::min({size, buffer_.size() - next_, static_cast<std::size_t>(max_bytes_ - received_bytes_)});
+  std::copy_n(buffer_.data() + next_, count, out);
+  next_ += count;
+  received_bytes_ += static_cast<std::int64_t>(count);
+  return static_cast<ssize_t>(count);
+}
+
+bool SocketIo::fill() {
+  buffer_.resize(kBufferBytes);
+  next_ = kBufferBytes;
+  const auto waiting_since = Clock::now();
+  for (;;) {
+    const ssize_t got = ::recv(socket_, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
+    if (got > 0) {
+      buffer_.resize(static_cast<std::size_t>(got));
+      next_ = 0;
+      return true;
+    }
+    if (got == 0 || (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)) {
+      fault_ = ReadFault::kClosed;
+      return false;
+    }
+    if (out_of_time() || Clock::now() - waiting_since > limits_.io_timeout) {
+      fault_ = ReadFault::kTimeout;
+      return false;
+    }
+    wait_ready(socket_, POLLIN, kSlice);
+  }
+}
+
+bool SocketIo::out_of_time() const {
+  const auto now = Clock::now();
+  if (!in_head_) return now > slowest_end(begin_, received_bytes_);
+  return now > begin_ + limits_.header_timeout || (now > begin_ + kHurriedHeader && hurry_());
+}
+
+// When a transfer that has come to `bytes` is too slow to be waited for.
+Clock::time_point SocketIo::slowest_end(Clock::time_point begin, std::int64_t bytes) const {
+  return begin + limits_.io_timeout + milliseconds(bytes * 1000 / limits_.min_bytes_per_s);
+}
+
+bool SocketIo::write(const char* data, std::size_t size) {
+  const auto begin = Clock::now();
+  auto last_progress = begin;
+  std::size_t sent = 0;
+  while (sent < size) {
+    const ssize_t count = ::send(socket_, data + sent, size - sent, MSG_DONTWAIT | MSG_NOSIGNAL);
+    const auto now = Clock::now();
+    if (count > 0) {
+      sent += static_cast<std::size_t>(count);
+      last_progress = now;
+      continue;
+    }
+    if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) return false;
+    if (now - last_progress > limits_.io_timeout ||
+        now > slowest_end(begin, static_cast<std::int64_t>(sent))) {
+      return false;
+    }
+    wait_ready(socket_, POLLOUT, kSlice);
+  }
+  return true;
+}
+
+bool SocketIo::readable_now() {
+  return next_ < buffer_.size() || wait_ready(socket_, POLLIN, milliseconds(0));
+}
+
+void SocketIo::linger(milliseconds patience) {
+  ::shutdown(socket_, SHUT_WR);
+  const auto end = Clock::now() + patience;
+  std::array<char, kBufferBytes> sink;
+  std::int64_t swallowed = 0;
+  while (Clock::now() < end && swallowed < kMaxLingerBytes) {
+    const ssize_t got = ::recv(socket_, sink.data(), sink.size(), MSG_DONTWAIT);
+    if (got == 0 || (got < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)) return;
+    if (got > 0) swallowed += got;
+    if (got < 0) wait_ready(socket_, POLLIN, kSlice);
+  }
+}
+
+std::vector<bool> hung_up(std::span<const int> sockets) {
+  std::vector<pollfd> entries;
+  for (const int socket : sockets) entries.push_back({socket, POLLRDHUP, 0});
+  std::vector<bool> gone(sockets.size(), false);
+  if (::poll(entries.data(), entries.size(), 0) <= 0) return gone;
+  for (std::size_t i = 0; i < entries.size(); ++i) gone[i] = entries[i].revents != 0;
+  return gone;
+}
+
+}  // namespace furnace

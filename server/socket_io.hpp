@@ -1,0 +1,71 @@
+// One connection's bytes under limits of time and amount, so that nobody can hold a thread by being slow.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <sys/types.h>
+#include <vector>
+
+#include "renderer/base/deadline.hpp"
+
+namespace furnace {
+
+struct IoLimits {
+  std::chrono::milliseconds header_timeout{5000};  // from a request's first byte to the end of its headers
+  std::chrono::milliseconds io_timeout{10000};     // longest standstill within a body
+  std::int64_t min_bytes_per_s = 16 << 10;         // slower than this, on the whole, is cut off
+  std::int64_t max_head_bytes = 32 << 10;
+};
+
+enum class ReadFault { kNone, kClosed, kTimeout, kTooMuch };
+
+// Threads: one. Owns: nothing, the socket is its caller's.
+class SocketIo {
+ public:
+  SocketIo(int socket, const IoLimits& limits) : socket_(socket), limits_(limits) {}
+
+  // Waits for a request's first byte until `patience` ends or `give_up` says so; false: there will be none.
+  bool wait_for_request(std::chrono::milliseconds patience, const std::function<bool()>& give_up);
+
+  // Limits of what is read next: a head, after whose first second `hurry` may end it, or a body of at most
+  // `max_bytes`.
+  void begin_head(std::function<bool()> hurry);
+  void begin_body(std::int64_t max_bytes);
+
+  ssize_t read(char* out, std::size_t size);  // > 0, or -1 with fault()
+  bool write(const char* data, std::size_t size);
+  bool readable_now();
+  ReadFault fault() const { return fault_; }
+
+  // Says that no more will be sent and swallows what still comes: closing over unread bytes would reset the
+  // connection and take the answer with it.
+  void linger(std::chrono::milliseconds patience);
+
+  int socket() const { return socket_; }
+
+ private:
+  bool fill();
+  bool out_of_time() const;
+  Clock::time_point slowest_end(Clock::time_point begin, std::int64_t bytes) const;
+
+  int socket_;
+  IoLimits limits_;
+  std::string buffer_;
+  std::size_t next_ = 0;  // first byte of buffer_ not yet read
+  bool in_head_ = false;
+  std::function<bool()> hurry_;
+  Clock::time_point begin_{};
+  std::int64_t received_bytes_ = 0;  // of this head or body
+  std::int64_t max_bytes_ = 0;
+  ReadFault fault_ = ReadFault::kNone;
+};
+
+// Which of `sockets` were closed or shut down by the other side. A client that only shuts down its sending
+// side counts as gone: the two cannot be told apart.
+std::vector<bool> hung_up(std::span<const int> sockets);
+
+}  // namespace furnace

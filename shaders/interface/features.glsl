@@ -1,0 +1,12 @@
+// Every shader feature, one a line: its bit is its place in this list, its value in a shader is 0 or 1.
+// A feature is a define only if leaving it out removes a lobe or a class of texture fetches.
+// The shader library refuses any other name; renderer/gl/feature_set.hpp names the same bits for C++.
+//
+// FEATURE_ALPHA_MASK         alpha is cut at a threshold, its edge becomes coverage
+// FEATURE_ALPHA_BLEND        colour is premultiplied by alpha
+// FEATURE_UNLIT              base colour is the radiance (KHR_materials_unlit, points and lines without normals)
+// FEATURE_NORMAL_MAP         tangent frames and the normal texture are read
+// FEATURE_MATERIAL_MAPS      base colour, metallic-roughness, occlusion and emissive textures are read
+// FEATURE_SHARP_REFLECTION   roughness may fall below the first baked level: the environment itself is read too
+// FEATURE_MAGNIFIED          the background shows texels larger than pixels: they are interpolated smoothly
+// FEATURE_MULTISAMPLED       the accumulated frame has several samples a pixel

@@ -1,0 +1,16 @@
+#include "lib/constants.glsl"
+
+// Equirect convention: row 0 is +Y, the centre column looks to +X, u = 0.75 to +Z (renderer/ibl/baked_environment.hpp).
+vec2 equirect_from_direction(vec3 d) {
+  float u = atan(d.z, d.x) * (1.0 / TWO_PI) + 0.5;
+  float v = atan(length(d.xz), d.y) * INV_PI;
+  return vec2(u, v);
+}
+
+// Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors".
+// The same lines stand in renderer/ibl/octahedral_atlas.cpp.
+vec2 octahedral_from_direction(vec3 d) {
+  vec2 p = d.xz / (abs(d.x) + abs(d.y) + abs(d.z));
+  if (d.y < 0.0) p = (1.0 - abs(p.yx)) * vec2(p.x >= 0.0 ? 1.0 : -1.0, p.y >= 0.0 ? 1.0 : -1.0);
+  return p * 0.5 + 0.5;
+}

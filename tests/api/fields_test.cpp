@@ -1,0 +1,135 @@
+// Every property of the schema, one by one: it is read, its default is the one of RenderSpec, its range is
+// enforced.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "tests/api/request_fixture.hpp"
+
+namespace furnace::api {
+namespace {
+
+const Leaf& leaf_of(const std::vector<Leaf>& leaves, const FieldRow& row) {
+  return *std::find_if(leaves.begin(), leaves.end(), [&](const Leaf& leaf) { return leaf.path == row.path; });
+}
+
+// RenderSpec states some default angles rounded to a hundredth of a radian, the schema whole degrees.
+double rounded(double angle_rad) {
+  return std::round(angle_rad * 100) / 100;
+}
+
+ContentHash hash_with_rounded_angles(std::string_view json) {
+  RenderSpec spec = parse(json);
+  if (auto* orbit = std::get_if<OrbitCamera>(&spec.camera.view)) {
+    orbit->azimuth_rad = rounded(orbit->azimuth_rad);
+    orbit->elevation_rad = rounded(orbit->elevation_rad);
+    orbit->fov_y_rad = rounded(orbit->fov_y_rad);
+  } else if (auto* look_at = std::get_if<LookAtCamera>(&spec.camera.view)) {
+    look_at->fov_y_rad = rounded(look_at->fov_y_rad);
+  }
+  return spec_hash(spec);
+}
+
+TEST(Fields, TableNamesEachPropertyOfTheSchemaOnce) {
+  std::multiset<std::string> in_schema, in_table;
+  for (const Leaf& leaf : schema_leaves()) in_schema.insert(leaf.path);
+  for (const FieldRow& row : field_rows()) in_table.emplace(row.path);
+  EXPECT_EQ(in_schema, in_table);
+}
+
+TEST(Fields, EachChangesThePicture) {
+  for (const FieldRow& row : field_rows()) {
+    SCOPED_TRACE(row.path);
+    EXPECT_NE(hash_of(with_value(row, row.one)), hash_of(with_value(row, row.other)));
+    EXPECT_EQ(hash_of(with_value(row, row.one)), hash_of(with_value(row, row.one)));
+  }
+}
+
+TEST(Fields, DefaultInTheSchemaIsWhatAbsenceMeans) {
+  const std::vector<Leaf> leaves = schema_leaves();
+  int defaults = 0;
+  for (const FieldRow& row : field_rows()) {
+    const Value value = leaf_of(leaves, row).declared["default"];
+    if (!value) continue;
+    SCOPED_TRACE(row.path);
+    ++defaults;
+    EXPECT_EQ(hash_with_rounded_angles(with_value(row, json_text(value))),
+              hash_with_rounded_angles(without_field(row)));
+  }
+  EXPECT_GE(defaults, 20);
+  const Value scene = request_schema().document().root()["properties"]["scene"]["default"];
+  EXPECT_EQ(hash_of(R"({"scene":)" + json_text(scene) + "}"), hash_of("{}"));
+}
+
+// What the schema's author could forget: a leaf that neither has a default nor needs none.
+TEST(Fields, OnlyOptionalThingsHaveNoDefault) {
+  for (const Leaf& leaf : schema_leaves()) {
+    const bool stated = static_cast<bool>(leaf.declared["default"]);
+    const bool needs_none = leaf.path.starts_with("/scene/materials") || leaf.path == "/scene/model" ||
+                            leaf.path == "/scene/gltfScene" || leaf.path == "/scene/nodes/mesh" ||
+                            leaf.path == "/scene/nodes/material" || leaf.path == "/environment/map/color" ||
+                            leaf.path == "/camera/lookAt/eye" || leaf.path == "/camera/gltf" ||
+                            leaf.path == "/output/samples";
+    EXPECT_NE(stated, needs_none) << leaf.path;
+  }
+}
+
+TEST(Fields, RangesAreEnforcedAtTheirEnds) {
+  const std::vector<Leaf> leaves = schema_leaves();
+  int ranges = 0;
+  for (const FieldRow& row : field_rows()) {
+    const Value schema = leaf_of(leaves, row).resolved;
+    if (!schema["minimum"]) continue;
+    SCOPED_TRACE(row.path);
+    ++ranges;
+    ASSERT_TRUE(schema["maximum"]) << "a number without an upper end may overflow";
+    const double low = schema["minimum"].number(), high = schema["maximum"].number();
+    EXPECT_NO_THROW(parse(with_value(row, json_text(schema["minimum"])), generous_limits()));
+    EXPECT_NO_THROW(parse(with_value(row, json_text(schema["maximum"])), generous_limits()));
+    for (const double outside : {low - 1, high + 1}) {
+      const Error error = refusal(with_value(row, std::to_string(outside)), generous_limits());
+      EXPECT_EQ(error.code, ErrorCode::kUnprocessable);
+      const std::string key(row.path.substr(row.path.rfind('/')));
+      EXPECT_TRUE(error.pointer.ends_with(key)) << error.pointer;
+      EXPECT_NE(error.message.find("must be between"), std::string::npos) << error.message;
+    }
+  }
+  EXPECT_GE(ranges, 15);
+}
+
+TEST(Fields, WrongTypesAreRefusedAtTheField) {
+  for (const FieldRow& row : field_rows()) {
+    SCOPED_TRACE(row.path);
+    for (const std::string_view wrong : {"null", "[[]]", R"({"x":1})"}) {
+      const Error error = refusal(with_value(row, wrong));
+      EXPECT_EQ(error.code, ErrorCode::kUnprocessable);
+      const std::string key(row.path.substr(row.path.rfind('/')));
+      EXPECT_TRUE(error.pointer.find(key) != std::string::npos) << error.pointer;
+      EXPECT_EQ(error.message.find("does not fit the schema"), std::string::npos);
+    }
+  }
+}
+
+TEST(Fields, EveryPropertyHasATitle) {
+  for (const Leaf& leaf : schema_leaves()) {
+    const bool titled = leaf.declared["title"] || leaf.resolved["title"];
+    EXPECT_TRUE(titled) << leaf.path;
+  }
+}
+
+TEST(Fields, ExamplesOfEachFieldAreAccepted) {
+  const std::vector<Leaf> leaves = schema_leaves();
+  for (const FieldRow& row : field_rows()) {
+    const Value examples = leaf_of(leaves, row).declared["examples"];
+    for (std::size_t i = 0; i < examples.size(); ++i) {
+      const Document document = Document::parse(with_value(row, json_text(examples.at(i))), {});
+      for (const Problem& problem : request_schema().problems(document))
+        ADD_FAILURE() << row.path << ": " << problem.pointer << " " << problem.message;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace furnace::api

@@ -1,0 +1,184 @@
+#include "tests/api/request_fixture.hpp"
+
+#include "api/contract.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+namespace furnace::api {
+namespace {
+
+constexpr FieldRow kFieldRows[] = {
+    {"/scene/model", R"({"scene":{"model":@}})", R"("builtin:cube")", R"("part:model.gltf")"},
+    {"/scene/gltfScene", R"({"scene":{"model":"part:model.gltf","gltfScene":@}})", "0", "1"},
+    {"/scene/nodes/mesh", R"({"scene":{"nodes":[{"mesh":@}]}})", R"("builtin:cube")", R"("builtin:plane")"},
+    {"/scene/nodes/material", R"({"scene":{"nodes":[{"mesh":"builtin:cube","material":@}]}})", R"("gold")",
+     R"("chrome")"},
+    {"/scene/nodes/translation", R"({"scene":{"nodes":[{"mesh":"builtin:cube","translation":@}]}})",
+     "[1,2,3]", "[1,2,4]"},
+    {"/scene/nodes/rotation", R"({"scene":{"nodes":[{"mesh":"builtin:cube","rotation":@}]}})", "[0,1,0,0]",
+     "[0,0,1,0]"},
+    {"/scene/nodes/scale", R"({"scene":{"nodes":[{"mesh":"builtin:cube","scale":@}]}})", "[1,2,3]",
+     "[3,2,1]"},
+    {"/scene/materials", R"({"scene":{"materials":{"gold":@}}})", R"("chrome")", R"("silver")"},
+    {"/scene/materials/preset", R"({"scene":{"materials":{"m":{"preset":@}}}})", R"("chrome")",
+     R"("silver")"},
+    {"/scene/materials/baseColor", R"({"scene":{"materials":{"m":{"baseColor":@}}}})", "[1,0,0]",
+     "[1,0,0,0.5]"},
+    {"/scene/materials/metallic", R"({"scene":{"materials":{"m":{"metallic":@}}}})", "0", "1"},
+    {"/scene/materials/roughness", R"({"scene":{"materials":{"m":{"roughness":@}}}})", "0", "1"},
+    {"/scene/materials/emissive", R"({"scene":{"materials":{"m":{"emissive":@}}}})", "[0,0,0]", "[0,0,7]"},
+    {"/scene/materials/emissiveStrength", R"({"scene":{"materials":{"m":{"emissiveStrength":@}}}})", "1",
+     "2"},
+    {"/scene/materials/normalScale", R"({"scene":{"materials":{"m":{"normalScale":@}}}})", "1", "-1"},
+    {"/scene/materials/occlusionStrength", R"({"scene":{"materials":{"m":{"occlusionStrength":@}}}})", "0",
+     "1"},
+    {"/scene/materials/alphaMode", R"({"scene":{"materials":{"m":{"alphaMode":@}}}})", R"("MASK")",
+     R"("BLEND")"},
+    {"/scene/materials/alphaCutoff", R"({"scene":{"materials":{"m":{"alphaMode":"MASK","alphaCutoff":@}}}})",
+     "0.25", "0.75"},
+    {"/scene/materials/doubleSided", R"({"scene":{"materials":{"m":{"doubleSided":@}}}})", "true", "false"},
+    {"/scene/materials/unlit", R"({"scene":{"materials":{"m":{"unlit":@}}}})", "true", "false"},
+    {"/environment/map", R"({"environment":{"map":@}})", R"("builtin:furnace")", R"("part:sky.hdr")"},
+    {"/environment/map/color", R"({"environment":{"map":{"color":@}}})", "[1,1,1]", "[1,1,2]"},
+    {"/environment/rotationDegrees", R"({"environment":{"rotationDegrees":@}})", "0", "90"},
+    {"/environment/intensity", R"({"environment":{"intensity":@}})", "1", "2"},
+    {"/environment/background/type", R"({"environment":{"background":{"type":@}}})", R"("color")",
+     R"("transparent")"},
+    {"/environment/background/color", R"({"environment":{"background":{"type":"color","color":@}}})",
+     "[0,0,0]", "[0,1,0]"},
+    {"/camera/orbit/azimuthDegrees", R"({"camera":{"orbit":{"azimuthDegrees":@}}})", "0", "90"},
+    {"/camera/orbit/elevationDegrees", R"({"camera":{"orbit":{"elevationDegrees":@}}})", "0", "45"},
+    {"/camera/orbit/fit", R"({"camera":{"orbit":{"fit":@}}})", "1", "2"},
+    {"/camera/orbit/orthographic", R"({"camera":{"orbit":{"orthographic":@}}})", "false", "true"},
+    {"/camera/lookAt/eye", R"({"camera":{"lookAt":{"eye":@}}})", "[1,2,3]", "[1,2,4]"},
+    {"/camera/lookAt/target", R"({"camera":{"lookAt":{"eye":[1,2,3],"target":@}}})", "[0,0,0]", "[0,1,0]"},
+    {"/camera/lookAt/up", R"({"camera":{"lookAt":{"eye":[1,2,3],"up":@}}})", "[0,1,0]", "[0,0,1]"},
+    {"/camera/gltf", R"({"camera":{"gltf":@}})", "1", R"("front")"},
+    {"/camera/fovYDegrees", R"({"camera":{"fovYDegrees":@}})", "20", "40"},
+    {"/camera/exposureEv", R"({"camera":{"exposureEv":@}})", "0", "-1.5"},
+    {"/output/width", R"({"output":{"width":@}})", "64", "65"},
+    {"/output/height", R"({"output":{"height":@}})", "64", "65"},
+    {"/output/format", R"({"output":{"format":@}})", R"("png")", R"("exr")"},
+    {"/output/exrType", R"({"output":{"format":"exr","exrType":@}})", R"("half")", R"("float")"},
+    {"/output/toneMap", R"({"output":{"toneMap":@}})", R"("linear")", R"("none")"},
+    {"/output/quality", R"({"output":{"quality":@}})", R"("draft")", R"("high")"},
+    {"/output/samples", R"({"output":{"samples":@}})", "2", "3"},
+    {"/strict", R"({"strict":@})", "true", "false"},
+};
+
+Value resolve(const Value& schema) {
+  const Value reference = schema["$ref"];
+  if (!reference) return schema;
+  const std::string_view name = reference.text().substr(std::string_view("#/$defs/").size());
+  return resolve(request_schema().document().root()["$defs"][name]);
+}
+
+void collect_leaves(const Value& declared, const std::string& path, std::vector<Leaf>& leaves) {
+  const Value schema = resolve(declared);
+  if (const Value alternatives = schema["anyOf"]) {
+    for (std::size_t i = 0; i < alternatives.size(); ++i) {
+      const bool is_object = resolve(alternatives.at(i))["type"].text() == "object";
+      if (is_object)
+        collect_leaves(alternatives.at(i), path, leaves);
+      else if (leaves.empty() || leaves.back().path != path)
+        leaves.push_back({path, declared, schema});
+    }
+    return;
+  }
+  const std::string_view type = schema["type"].text();
+  if (type == "object" && schema["additionalProperties"].type() == JsonType::kObject)
+    return collect_leaves(schema["additionalProperties"], path, leaves);
+  if (type == "object")
+    for (const auto& [key, property] : schema["properties"].members())
+      collect_leaves(property, path + "/" + key, leaves);
+  else if (type == "array" && resolve(schema["items"])["type"].text() == "object")
+    collect_leaves(schema["items"], path, leaves);
+  else
+    leaves.push_back({path, declared, schema});
+}
+
+}  // namespace
+
+RenderSpec parse(std::string_view json, const RequestLimits& limits) {
+  FileAssets files({}, 0, 0);
+  std::map<std::string, Blob> parts;
+  parts["model.gltf"] = Blob(R"({"asset":{"version":"2.0"}})");
+  parts["sky.hdr"] = Blob("#?RADIANCE\n");
+  return parse_render_request(json, AssetResolver(files, parts, {}), limits);
+}
+
+ContentHash hash_of(std::string_view json) {
+  return spec_hash(parse(json, generous_limits()));
+}
+
+Error refusal(std::string_view json, const RequestLimits& limits) {
+  try {
+    parse(json, limits);
+  } catch (const Error& error) {
+    return error;
+  }
+  ADD_FAILURE() << "accepted: " << json;
+  return {};
+}
+
+const Schema& request_schema() {
+  static const Schema schema(render_request_schema());
+  return schema;
+}
+
+RequestLimits generous_limits() {
+  return {1 << 20, std::int64_t{1} << 40, 1 << 20, 64, std::int64_t{1} << 24};
+}
+
+std::string json_text(const Value& value) {
+  std::vector<std::string> items;
+  switch (value.type()) {
+    case JsonType::kText:
+      return quoted(value.text(), value.text().size());
+    case JsonType::kArray:
+      for (std::size_t i = 0; i < value.size(); ++i) items.push_back(json_text(value.at(i)));
+      return fmt::format("[{}]", fmt::join(items, ","));
+    case JsonType::kObject:
+      for (const auto& [key, member] : value.members())
+        items.push_back(fmt::format("{}:{}", quoted(key, key.size()), json_text(member)));
+      return fmt::format("{{{}}}", fmt::join(items, ","));
+    default:
+      return value.excerpt();
+  }
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  EXPECT_TRUE(file) << path;
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::span<const FieldRow> field_rows() {
+  return kFieldRows;
+}
+
+std::string with_value(const FieldRow& row, std::string_view value) {
+  std::string document(row.document);
+  return document.replace(document.find('@'), 1, value);
+}
+
+// Rows that name their map's key ("m", "gold") lose that key with its value.
+std::string without_field(const FieldRow& row) {
+  std::string document(row.document);
+  const std::size_t end = document.find('@') + 1;
+  std::size_t begin = document.rfind('"', document.rfind("\":", end) - 1);
+  if (begin > 0 && document[begin - 1] == ',') --begin;
+  return document.erase(begin, end - begin);
+}
+
+std::vector<Leaf> schema_leaves() {
+  std::vector<Leaf> leaves;
+  collect_leaves(request_schema().document().root(), "", leaves);
+  return leaves;
+}
+
+}  // namespace furnace::api

@@ -1,0 +1,138 @@
+// The plan is a pure function; the uniform block is checked by projecting points.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "renderer/frame/frame_uniform.hpp"
+#include "renderer/scene/transform.hpp"
+
+namespace furnace {
+namespace {
+
+const gl::Limits kLimits{16384, 4, true};
+
+TEST(FramePlan, TilesCoverThePictureOnce) {
+  RenderSpec spec;
+  spec.output.width = 250;
+  spec.output.height = 130;
+  const FramePlan plan = plan_frame(spec, kLimits, 64);
+  std::vector<int> covered(250 * 130);
+  for (const Tile& tile : plan.tiles) {
+    EXPECT_LE(tile.size.width, plan.tile_size.width);
+    EXPECT_LE(tile.size.height, plan.tile_size.height);
+    for (int y = tile.y; y < tile.y + tile.size.height; ++y) {
+      for (int x = tile.x; x < tile.x + tile.size.width; ++x) ++covered[std::size_t(y * 250 + x)];
+    }
+  }
+  EXPECT_EQ(std::set<int>(covered.begin(), covered.end()), std::set<int>{1});
+}
+
+TEST(FramePlan, SubFramesStartAtTheCentreAndStayInThePixel) {
+  RenderSpec spec;
+  spec.output.samples = 64;
+  const FramePlan plan = plan_frame(spec, kLimits);
+  ASSERT_EQ(plan.jitter_px.size(), 64u);
+  EXPECT_EQ(plan.jitter_px[0], glm::vec2(0));
+  glm::dvec2 mean(0);
+  for (const glm::vec2& jitter : plan.jitter_px) {
+    EXPECT_GE(jitter.x, -0.5f);
+    EXPECT_LT(jitter.x, 0.5f);
+    EXPECT_GE(jitter.y, -0.5f);
+    EXPECT_LT(jitter.y, 0.5f);
+    mean += glm::dvec2(jitter) / 64.0;
+  }
+  EXPECT_LT(glm::length(mean), 0.02);  // well spread: random ones would miss by 0.05
+}
+
+TEST(FramePlan, FewerSubFramesAreAPrefix) {
+  RenderSpec spec;
+  spec.output.samples = 4;
+  const auto few = plan_frame(spec, kLimits).jitter_px;
+  spec.output.samples = 16;
+  const auto many = plan_frame(spec, kLimits).jitter_px;
+  EXPECT_TRUE(std::equal(few.begin(), few.end(), many.begin()));
+}
+
+TEST(FramePlan, ABackgroundColourIsNotExposed) {
+  RenderSpec spec;
+  spec.environment.background = BackgroundKind::kColor;
+  spec.environment.background_color = {0.5f, 0.25f, 1};
+  spec.camera.exposure_ev = 2;
+  const FramePlan plan = plan_frame(spec, kLimits);
+  EXPECT_EQ(plan.background_color * float(plan.exposure), glm::vec4(0.5f, 0.25f, 1, 4));
+}
+
+TEST(FramePlan, WithoutMultisamplingOneSampleIsTaken) {
+  EXPECT_EQ(plan_frame({}, {16384, 1, false}).msaa_samples, 1);
+  EXPECT_EQ(plan_frame({}, {16384, 8, false}).msaa_samples, 4);
+}
+
+class FrameUniformTest : public testing::Test {
+ protected:
+  FrameUniformTest() {
+    spec_.output.width = 300;
+    spec_.output.height = 200;
+    spec_.output.samples = 4;
+    plan_ = plan_frame(spec_, kLimits);
+    view_.view_from_world = look_at({3, 2, 5}, {0, 1, 0}, {0, 1, 0});
+    view_.clip_from_view = perspective_reversed(0.7, 1.5, 0.1, 100);
+    view_.eye = {3, 2, 5};
+    environment_.sky = make_image({4, 2}, 4, SampleType::kFloat16, ColorSpace::kLinear);
+    environment_.atlas.texels = make_image({8, 8}, 4, SampleType::kFloat16, ColorSpace::kLinear);
+    environment_.atlas.level_roughness = {0.1, 1};
+    environment_.atlas.level_tiles = {{1, 1, 2}, {5, 1, 2}};
+    environment_.atlas.irradiance_tile = {1, 5, 2};
+  }
+  glm::vec2 pixel_of(const glm::mat4& clip_from_world, const glm::vec3& world) const {
+    const glm::vec4 clip = clip_from_world * glm::vec4(world, 1);
+    return {(clip.x / clip.w * 0.5f + 0.5f) * 300, (0.5f - clip.y / clip.w * 0.5f) * 200};
+  }
+  RenderSpec spec_;
+  FramePlan plan_;
+  View view_;
+  PreparedEnvironment environment_;
+};
+
+TEST_F(FrameUniformTest, JitterMovesThePictureByItsPixels) {
+  const glm::vec3 point(0.4f, 0.7f, -1);
+  const glm::vec2 still = pixel_of(pack_frame(plan_, view_, environment_, 0).clip_from_world, point);
+  for (std::size_t i = 1; i < 4; ++i) {
+    const glm::vec2 moved = pixel_of(pack_frame(plan_, view_, environment_, i).clip_from_world, point);
+    EXPECT_NEAR(moved.x - still.x, plan_.jitter_px[i].x, 1e-3);
+    EXPECT_NEAR(moved.y - still.y, plan_.jitter_px[i].y, 1e-3);
+  }
+}
+
+TEST_F(FrameUniformTest, BackgroundRaysMeetTheSurfacesOfTheSamePixel) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    const gpu::FrameBlock block = pack_frame(plan_, view_, environment_, i);
+    const glm::vec3 point(-0.6f, 1.4f, 0.5f);
+    const glm::vec4 clip = block.clip_from_world * glm::vec4(point, 1);
+    const glm::vec3 ray = glm::mat3(block.world_from_ray) * glm::vec3(clip.x / clip.w, clip.y / clip.w, 1);
+    EXPECT_NEAR(glm::dot(glm::normalize(ray), glm::normalize(point - view_.eye)), 1, 1e-6);
+  }
+}
+
+TEST_F(FrameUniformTest, TurningTheEnvironmentTurnsItAsAnObject) {
+  plan_.environment_rotation_rad = kPi / 2;
+  const gpu::FrameBlock block = pack_frame(plan_, view_, environment_, 0);
+  // Counter-clockwise seen from above: what stood at +X now stands at -Z.
+  const glm::vec3 seen = glm::mat3(block.environment_from_world) * glm::vec3(0, 0, -1);
+  EXPECT_NEAR(seen.x, 1, 1e-6);
+  EXPECT_NEAR(seen.z, 0, 1e-6);
+}
+
+TEST_F(FrameUniformTest, GainsUndoTheStoredScale) {
+  environment_.sky_scale = 0.25;
+  environment_.atlas.scale = 0.5;
+  plan_.environment_intensity = 3;
+  const gpu::FrameBlock block = pack_frame(plan_, view_, environment_, 0);
+  EXPECT_EQ(block.sky_gain, 12);
+  EXPECT_EQ(block.atlas_gain, 6);
+  EXPECT_EQ(block.level_count, 2u);
+  EXPECT_EQ(block.level_tiles[1], glm::vec4(5, 1, 2, 1));
+}
+
+}  // namespace
+}  // namespace furnace

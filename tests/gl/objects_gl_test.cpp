@@ -1,0 +1,184 @@
+#include <cstring>
+
+#include <gmock/gmock.h>
+
+#include "renderer/base/error.hpp"
+#include "renderer/gl/pass_state.hpp"
+#include "renderer/gl/program.hpp"
+#include "renderer/gl/readback.hpp"
+#include "renderer/gl/texture.hpp"
+#include "renderer/residency/gpu_blocks.hpp"
+#include "tests/support/gl_fixture.hpp"
+
+namespace furnace::gl {
+namespace {
+
+using ObjectsGlTest = test::GlTest;
+
+TEST_F(ObjectsGlTest, ContextIsTheSoftwareRasteriserAtGl45) {
+  EXPECT_TRUE(context_.limits().software);
+  EXPECT_GE(context_.limits().max_texture_px, 8192);
+  EXPECT_THAT(context_.version(), testing::StartsWith("4.5"));
+  EXPECT_FALSE(context_.lost());
+}
+
+TEST_F(ObjectsGlTest, UnknownDeviceIsRefusedWithAdvice) {
+  try {
+    Context::create({"0000:ff:1f.7", Determinism::kFast});
+    FAIL() << "a device that does not exist was accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code, ErrorCode::kGpuUnavailable);
+    EXPECT_THAT(error.message, testing::HasSubstr("furnace doctor"));
+  }
+}
+
+TEST_F(ObjectsGlTest, ClearedTargetReadsBackAtItsPlace) {
+  const Extent size{8, 4};
+  const Texture color = create_target(context_, GL_RGBA32F, size, 1);
+  const Framebuffer framebuffer = create_framebuffer(context_, color, {});
+  PassState state;
+  state.framebuffer = framebuffer.id();
+  state.viewport = size;
+  state.clear_color = glm::vec4(0.25, 70000, -1, 1);
+  begin_pass(context_, state);
+  Image image = make_image({10, 6}, 4, SampleType::kFloat32, ColorSpace::kLinear);
+  read_pixels(context_, framebuffer, size, image, 1, 2);
+  const auto samples = image.samples<float>();
+  EXPECT_EQ(samples[0], 0);  // outside of the rectangle
+  const std::size_t first = (2 * 10 + 1) * 4;
+  EXPECT_EQ(samples[first], 0.25f);
+  EXPECT_EQ(samples[first + 1], 70000);
+  EXPECT_EQ(samples[(5 * 10 + 8) * 4 + 2], -1);
+}
+
+TEST_F(ObjectsGlTest, TextureKeepsRowZeroFirst) {
+  Image image = make_image({2, 2}, 4, SampleType::kUint8, ColorSpace::kNonColor);
+  for (std::size_t i = 0; i < 16; ++i) image.pixels[i] = std::byte(i * 10);
+  const Texture texture = upload_texture(context_, image, true);
+  std::array<std::uint8_t, 16> back{};
+  glGetTextureImage(texture.id(), 0, GL_RGBA, GL_UNSIGNED_BYTE, GLsizei(back.size()), back.data());
+  EXPECT_EQ(std::memcmp(back.data(), image.pixels.data(), back.size()), 0);
+  GLint width = 0;
+  glGetTextureLevelParameteriv(texture.id(), 1, GL_TEXTURE_WIDTH, &width);
+  EXPECT_EQ(width, 1);
+}
+
+TEST_F(ObjectsGlTest, TextureOverTheLimitIsTooLarge) {
+  const int side = context_.limits().max_texture_px + 1;
+  EXPECT_THROW(create_texture(context_, GL_R8, {side, 1}, 1), Error);
+}
+
+TEST_F(ObjectsGlTest, SamplersAreMadeOnce) {
+  SamplerCache cache;
+  const SamplerDesc repeat;
+  SamplerDesc clamp;
+  clamp.wrap_u = Wrap::kClampToEdge;
+  EXPECT_EQ(cache.get(context_, repeat), cache.get(context_, repeat));
+  EXPECT_NE(cache.get(context_, repeat), cache.get(context_, clamp));
+}
+
+TEST_F(ObjectsGlTest, CompileErrorNamesShaderFileAndLine) {
+  ShaderLibrary library({});
+  library.add("broken.vert", "#include \"lib/constants.glsl\"\nvoid main() {\n  gl_Position = nonsense;\n}\n");
+  library.add("fine.frag", "void main() {}\n");
+  try {
+    build_program(context_, library, {"broken.vert", "fine.frag", 0});
+    FAIL() << "nonsense compiled";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.detail, testing::HasSubstr("shaders/broken.vert:3"));
+  }
+}
+
+// Every program the frame can ask for links, in every combination of features a material can have.
+TEST_F(ObjectsGlTest, EveryProgramBuilds) {
+  ShaderLibrary library({});
+  for (FeatureSet features = 0; features < (1u << 6); ++features) {
+    if ((features & kFeatureAlphaMask) && (features & kFeatureAlphaBlend)) continue;
+    EXPECT_NO_THROW(build_program(context_, library, {"surface/surface.vert", "surface/surface.frag", features}))
+        << features;
+  }
+  for (const char* screen : {"screen/background.frag", "screen/accumulate.frag", "screen/resolve.frag"}) {
+    for (const FeatureSet features : {FeatureSet(0), FeatureSet(kFeatureMultisampled)}) {
+      EXPECT_NO_THROW(build_program(context_, library, {"screen/fullscreen.vert", screen, features})) << screen;
+    }
+  }
+}
+
+struct Member {
+  const char* name;
+  std::size_t offset;
+};
+
+// Every member that GL reports of `block` has the offset that C++ gives it, and none is missing on either side.
+void expect_layout(GLuint program, const char* block, const std::vector<Member>& members, std::size_t size) {
+  const GLuint index = glGetProgramResourceIndex(program, GL_UNIFORM_BLOCK, block);
+  ASSERT_NE(index, GL_INVALID_INDEX) << block;
+  const GLenum size_property = GL_BUFFER_DATA_SIZE, count_property = GL_NUM_ACTIVE_VARIABLES,
+               list_property = GL_ACTIVE_VARIABLES;
+  GLint value = 0;
+  glGetProgramResourceiv(program, GL_UNIFORM_BLOCK, index, 1, &size_property, 1, nullptr, &value);
+  EXPECT_EQ(std::size_t(value), size) << block;
+  glGetProgramResourceiv(program, GL_UNIFORM_BLOCK, index, 1, &count_property, 1, nullptr, &value);
+  std::vector<GLint> variables(static_cast<std::size_t>(value));
+  glGetProgramResourceiv(program, GL_UNIFORM_BLOCK, index, 1, &list_property, value, nullptr, variables.data());
+  std::size_t found = 0;
+  for (const GLint variable : variables) {
+    char name[128] = {};
+    glGetProgramResourceName(program, GL_UNIFORM, GLuint(variable), sizeof name, nullptr, name);
+    const GLenum offset_property = GL_OFFSET;
+    glGetProgramResourceiv(program, GL_UNIFORM, GLuint(variable), 1, &offset_property, 1, nullptr, &value);
+    std::string plain = std::string(name).substr(std::string(name).rfind('.') + 1);
+    plain = plain.substr(0, plain.find('['));
+    const auto member = std::find_if(members.begin(), members.end(), [&](const Member& m) { return plain == m.name; });
+    ASSERT_NE(member, members.end()) << name << " is unknown to C++";
+    EXPECT_EQ(std::size_t(value), member->offset) << name;
+    ++found;
+  }
+  EXPECT_EQ(found, members.size()) << block;
+}
+
+#define FURNACE_MEMBER(type, member) Member{#member, offsetof(type, member)}
+
+TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
+  ShaderLibrary library({});
+  library.add("layout.comp",
+              "#include \"interface/frame_block.glsl\"\n#include \"interface/draw_block.glsl\"\n"
+              "#include \"interface/material_block.glsl\"\n"
+              "layout(local_size_x = 1) in;\n"
+              "layout(std140, binding = 0) uniform FrameUniform { FrameBlock frame; };\n"
+              "layout(std140, binding = 1) uniform DrawUniform { DrawBlock draw; };\n"
+              "layout(std140, binding = 2) uniform MaterialUniform { MaterialBlock material; };\n"
+              "layout(std430, binding = 3) buffer Out { float result; };\n"
+              "void main() { result = frame.point_size_px + draw.handedness + material.metallic; }\n");
+  const Program program = build_program(context_, library, {"layout.comp", "", 0});
+  using gpu::DrawBlock;
+  using gpu::FrameBlock;
+  using gpu::MaterialBlock;
+  expect_layout(program.id(), "DrawUniform",
+                {FURNACE_MEMBER(DrawBlock, world_from_model), FURNACE_MEMBER(DrawBlock, world_from_model_normal),
+                 FURNACE_MEMBER(DrawBlock, handedness), FURNACE_MEMBER(DrawBlock, pad_0),
+                 FURNACE_MEMBER(DrawBlock, pad_1), FURNACE_MEMBER(DrawBlock, pad_2)},
+                sizeof(DrawBlock));
+  expect_layout(
+      program.id(), "MaterialUniform",
+      {FURNACE_MEMBER(MaterialBlock, base_color), FURNACE_MEMBER(MaterialBlock, emissive),
+       FURNACE_MEMBER(MaterialBlock, metallic), FURNACE_MEMBER(MaterialBlock, perceptual_roughness),
+       FURNACE_MEMBER(MaterialBlock, normal_scale), FURNACE_MEMBER(MaterialBlock, occlusion_strength),
+       FURNACE_MEMBER(MaterialBlock, alpha_cutoff), FURNACE_MEMBER(MaterialBlock, double_sided),
+       FURNACE_MEMBER(MaterialBlock, uv_sets), FURNACE_MEMBER(MaterialBlock, pad_0),
+       FURNACE_MEMBER(MaterialBlock, uv_rows)},
+      sizeof(MaterialBlock));
+  expect_layout(
+      program.id(), "FrameUniform",
+      {FURNACE_MEMBER(FrameBlock, clip_from_world), FURNACE_MEMBER(FrameBlock, world_from_ray),
+       FURNACE_MEMBER(FrameBlock, environment_from_world), FURNACE_MEMBER(FrameBlock, eye_world),
+       FURNACE_MEMBER(FrameBlock, towards_viewer_world), FURNACE_MEMBER(FrameBlock, level_tiles), FURNACE_MEMBER(FrameBlock, irradiance_tile),
+       FURNACE_MEMBER(FrameBlock, atlas_texel_u), FURNACE_MEMBER(FrameBlock, atlas_texel_v),
+       FURNACE_MEMBER(FrameBlock, atlas_gain), FURNACE_MEMBER(FrameBlock, sky_gain),
+       FURNACE_MEMBER(FrameBlock, level_count), FURNACE_MEMBER(FrameBlock, sky_lod),
+       FURNACE_MEMBER(FrameBlock, pixel_footprint), FURNACE_MEMBER(FrameBlock, point_size_px)},
+      sizeof(FrameBlock));
+}
+
+}  // namespace
+}  // namespace furnace::gl

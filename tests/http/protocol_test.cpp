@@ -1,0 +1,183 @@
+// What a request's bytes mean before a route sees them: negotiation, framing, multipart.
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "renderer/base/error.hpp"
+#include "server/framing.hpp"
+#include "server/multipart.hpp"
+#include "server/negotiation.hpp"
+
+namespace furnace {
+namespace {
+
+// --- negotiation
+// ------------------------------------------------------------------------------------------------------
+
+TEST(Negotiation, TheMostSpecificRangeDecides) {
+  EXPECT_EQ(accept_quality("", "image/png"), 1);
+  EXPECT_EQ(accept_quality("*/*", "image/png"), 1);
+  EXPECT_EQ(accept_quality("image/*;q=0.5, image/png;q=0.1", "image/png"), 0.1);
+  EXPECT_EQ(accept_quality("image/*;q=0.5, image/png;q=0.1", "image/x-exr"), 0.5);
+  EXPECT_EQ(accept_quality("*/*, image/png;q=0", "image/png"), 0);
+  EXPECT_EQ(accept_quality("IMAGE/PNG ; Q=0.25", "image/png"), 0.25);
+  EXPECT_EQ(accept_quality("text/html", "image/png"), 0);
+  EXPECT_EQ(accept_quality("image/p*", "image/png"), 0);
+  EXPECT_EQ(accept_quality("image/png;q=nonsense", "image/png"), 0);
+  EXPECT_EQ(accept_quality("image/png;q=7", "image/png"), 1);
+  EXPECT_EQ(accept_quality(",,;;=,\"", "image/png"), 0);
+}
+
+TEST(Negotiation, MediaTypesAndParameters) {
+  EXPECT_EQ(media_type_essence(" Application/JSON ; charset=utf-8"), "application/json");
+  EXPECT_EQ(media_type_parameter("multipart/form-data; boundary=\"a;b\\\"c\"; x=y", "boundary"), "a;b\"c");
+  EXPECT_EQ(media_type_parameter("multipart/form-data; BOUNDARY=abc", "boundary"), "abc");
+  EXPECT_EQ(media_type_parameter("multipart/form-data", "boundary"), "");
+}
+
+TEST(Negotiation, EntityTags) {
+  EXPECT_TRUE(etag_matches("\"abc\"", "abc"));
+  EXPECT_TRUE(etag_matches("\"x\", W/\"abc\"", "abc"));
+  EXPECT_FALSE(etag_matches("abc", "abc"));
+  EXPECT_FALSE(etag_matches("\"abcd\"", "abc"));
+  EXPECT_FALSE(etag_matches("*", "abc"));
+  EXPECT_FALSE(etag_matches("", "abc"));
+}
+
+// --- framing
+// ----------------------------------------------------------------------------------------------------------
+
+constexpr std::int64_t kLimit = 1000;
+
+Framing framing_of(std::map<std::string, std::string, HeaderLess> headers,
+                   std::string_view version = "HTTP/1.1") {
+  Request head;
+  head.headers = std::move(headers);
+  head.headers.emplace("Host", "h");
+  return read_framing(head, version, kLimit);
+}
+
+TEST(Framing, WhatIsBelieved) {
+  EXPECT_EQ(framing_of({}).refusal.status, 0);
+  EXPECT_EQ(framing_of({{"content-length", "1000"}}).content_length, 1000);
+  EXPECT_EQ(framing_of({{"Content-Length", "5, 5"}}).content_length, 5);
+  EXPECT_TRUE(framing_of({{"Transfer-Encoding", "Chunked"}}).chunked);
+  EXPECT_EQ(framing_of({{"Expect", "100-Continue"}}).refusal.status, 0);
+  EXPECT_EQ(framing_of({{"Content-Encoding", "identity"}}).refusal.status, 0);
+}
+
+TEST(Framing, WhatIsRefused) {
+  EXPECT_EQ(framing_of({{"Content-Length", "1001"}}).refusal.status, 413);
+  for (const char* length : {"-1", "+1", "0x10", "5, 6", "5,", "1e3", "18446744073709551616", " "}) {
+    EXPECT_EQ(framing_of({{"Content-Length", length}}).refusal.status, 400) << length;
+  }
+  EXPECT_EQ(framing_of({{"Content-Length", "5"}, {"Transfer-Encoding", "chunked"}}).refusal.status, 400);
+  EXPECT_EQ(framing_of({{"Transfer-Encoding", "gzip, chunked"}}).refusal.status, 501);
+  EXPECT_EQ(framing_of({{"Content-Encoding", "gzip"}}).refusal.status, 415);
+  EXPECT_EQ(framing_of({{"Expect", "tea"}}).refusal.status, 417);
+  EXPECT_EQ(framing_of({{"Host", "a, b"}}).refusal.status, 400);
+  EXPECT_EQ(read_framing(Request{}, "HTTP/1.1", kLimit).refusal.status, 400);
+  EXPECT_EQ(read_framing(Request{}, "HTTP/1.0", kLimit).refusal.status, 0);
+}
+
+TEST(Framing, RequestIds) {
+  EXPECT_TRUE(is_sane_request_id("a-b_c.1"));
+  EXPECT_FALSE(is_sane_request_id(""));
+  EXPECT_FALSE(is_sane_request_id("a\r\nSet-Cookie: x"));
+  EXPECT_FALSE(is_sane_request_id(std::string(65, 'a')));
+  EXPECT_NE(new_request_id(), new_request_id());
+  EXPECT_TRUE(is_sane_request_id(new_request_id()));
+}
+
+// --- multipart
+// --------------------------------------------------------------------------------------------------------
+
+constexpr const char* kType = "multipart/form-data; boundary=B";
+
+std::vector<Part> parts_of(std::string_view body, const char* type = kType) {
+  return parse_multipart(body, type, 8);
+}
+
+ErrorCode refusal_of(std::string_view body, const char* type = kType) {
+  try {
+    parse_multipart(body, type, 2);
+  } catch (const Error& error) {
+    return error.code;
+  }
+  return ErrorCode::kInternal;
+}
+
+TEST(Multipart, PartsKeepTheirBytes) {
+  const std::string bytes("a\0\r\n-b\r\n--", 10);
+  const auto parts = parts_of(
+      "--B\r\nContent-Disposition: form-data; name=\"request\"\r\n\r\n{}\r\n"
+      "--B\r\nContent-Disposition: form-data; name=\"n\"\r\n\r\n" +
+      bytes + "\r\n--B--\r\nepilogue");
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_EQ(parts[0].name, "request");
+  EXPECT_EQ(parts[0].body, "{}");
+  EXPECT_EQ(parts[1].body, bytes);
+}
+
+TEST(Multipart, NamesAreUnquotedInAnyOrder) {
+  const auto parts = parts_of(
+      "preamble\r\n--B \t\r\nX: y\r\ncontent-disposition: FORM-DATA; filename=\"a \\\"b\\\".glb\"; "
+      "name=f\r\n\r\nbytes\r\n--B--");
+  ASSERT_EQ(parts.size(), 1u);
+  EXPECT_EQ(parts[0].name, "f");
+  EXPECT_EQ(parts[0].file_name, "a \"b\".glb");
+  EXPECT_EQ(parts[0].body, "bytes");
+}
+
+TEST(Multipart, EmptyBodiesAndNoParts) {
+  EXPECT_EQ(parts_of("--B\r\nContent-Disposition: form-data; name=a\r\n\r\n\r\n--B--")[0].body, "");
+  EXPECT_EQ(parts_of("--B\r\nContent-Disposition: form-data; name=a\r\n\r\n--B--")[0].body, "");
+  EXPECT_TRUE(parts_of("--B--\r\n").empty());
+}
+
+TEST(Multipart, MalformedBodiesAreRefused) {
+  const std::string part = "--B\r\nContent-Disposition: form-data; name=a\r\n\r\nx\r\n";
+  EXPECT_EQ(refusal_of(part + "--B--", "multipart/form-data"), ErrorCode::kInvalidRequest);
+  EXPECT_EQ(refusal_of(part + "--B--", "multipart/form-data; boundary="), ErrorCode::kInvalidRequest);
+  EXPECT_EQ(refusal_of(part), ErrorCode::kInvalidRequest);
+  EXPECT_EQ(refusal_of(""), ErrorCode::kInvalidRequest);
+  EXPECT_EQ(refusal_of("--B"), ErrorCode::kInvalidRequest);
+  EXPECT_EQ(refusal_of("--B\r\n\r\nx\r\n--B--"), ErrorCode::kInvalidRequest);
+  EXPECT_EQ(refusal_of("--B\r\nContent-Disposition: attachment; name=a\r\n\r\nx\r\n--B--"),
+            ErrorCode::kInvalidRequest);
+  EXPECT_EQ(refusal_of("--B\r\nContent-Disposition\r\n\r\nx\r\n--B--"), ErrorCode::kInvalidRequest);
+  EXPECT_EQ(refusal_of("--B\r\nX: " + std::string(9000, 'x') + "\r\n\r\nx\r\n--B--"),
+            ErrorCode::kInvalidRequest);
+  EXPECT_EQ(refusal_of(part + part + part + "--B--"), ErrorCode::kTooLarge);
+}
+
+// Bodies by others, valid, odd and broken: parsed or refused, nothing else.
+TEST(Multipart, OthersBodies) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::current_path().parent_path() / "shared/data/malformed/http-multipart";
+  if (!fs::is_directory(folder)) GTEST_SKIP() << "no development data at " << folder;
+  int parsed = 0, refused = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    std::ifstream file(entry.path(), std::ios::binary);
+    const std::string body{std::istreambuf_iterator<char>(file), {}};
+    const std::string boundary =
+        body.starts_with("--") ? body.substr(2, body.find_first_of("\r\n") - 2) : "B";
+    try {
+      parse_multipart(body, "multipart/form-data; boundary=\"" + boundary + '"', 64);
+      ++parsed;
+    } catch (const Error& error) {
+      EXPECT_TRUE(error.code == ErrorCode::kInvalidRequest || error.code == ErrorCode::kTooLarge)
+          << entry.path();
+      ++refused;
+    }
+  }
+  EXPECT_GT(parsed + refused, 0);
+}
+
+}  // namespace
+}  // namespace furnace

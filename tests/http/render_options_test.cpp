@@ -1,0 +1,82 @@
+#include "server/commands/render_options.hpp"
+
+#include <gtest/gtest.h>
+
+#include "renderer/assets/asset_resolver.hpp"
+#include "renderer/base/error.hpp"
+#include "api/render_request.hpp"
+
+namespace furnace {
+namespace {
+
+RenderSpec parsed(const std::string& document) {
+  FileAssets files({}, 0, 1);
+  return api::parse_render_request(document, AssetResolver(files, {}, {}), {});
+}
+
+RenderOptions everything() {
+  RenderOptions options;
+  options.width = 64;
+  options.height = 32;
+  options.samples = 3;
+  options.tone_map = "linear";
+  options.format = "exr";
+  options.exr_type = "float";
+  options.azimuth_degrees = 90;
+  options.elevation_degrees = -10;
+  options.exposure_ev = 1.5;
+  options.rotation_degrees = 180;
+  options.environment = "builtin:overcast";
+  options.background = "#ff0080";
+  return options;
+}
+
+TEST(RenderOptions, NoOptionIsTheEmptyDocument) {
+  EXPECT_EQ(request_document({}, ""), "{}");
+  EXPECT_EQ(request_document({}, "file:a \"b\".glb"), R"({"scene":{"model":"file:a \"b\".glb"}})");
+}
+
+TEST(RenderOptions, EveryOptionIsUnderstoodByTheApi) {
+  const RenderSpec spec = parsed(request_document(everything(), ""));
+  EXPECT_EQ(spec.output.width, 64);
+  EXPECT_EQ(spec.output.height, 32);
+  EXPECT_EQ(spec.output.samples, 3);
+  EXPECT_EQ(spec.output.tone_map, ToneMap::kLinear);
+  EXPECT_EQ(spec.output.format, OutputFormat::kExr);
+  EXPECT_EQ(spec.output.exr_type, SampleType::kFloat32);
+  EXPECT_NEAR(std::get<OrbitCamera>(spec.camera.view).azimuth_rad, 1.5707963,
+              1e-6);  // single precision suffices
+  EXPECT_EQ(spec.camera.exposure_ev, 1.5);
+  EXPECT_EQ(std::get<BuiltinName>(spec.environment.map).name, "overcast");
+  EXPECT_EQ(spec.environment.background, BackgroundKind::kColor);
+  EXPECT_FLOAT_EQ(spec.environment.background_color.x, 1);
+  EXPECT_FLOAT_EQ(spec.environment.background_color.y, 0);
+  EXPECT_NEAR(spec.environment.background_color.z, 0.2158605, 1e-6);  // sRGB 128 as published in many tables
+}
+
+TEST(RenderOptions, AppliedToARequestTheyGiveTheSamePicture) {
+  const RenderSpec said = parsed(request_document(everything(), ""));
+  RenderSpec spec = parsed(
+      R"({"camera":{"lookAt":{"eye":[1,2,3]},"exposureEv":-1},"output":{"width":9,"toneMap":"none"}})");
+  apply_options(everything(), said, spec);
+  EXPECT_EQ(spec_hash(spec), spec_hash(said));
+}
+
+TEST(RenderOptions, WhatIsNotSaidStays) {
+  const std::string document =
+      R"({"camera":{"lookAt":{"eye":[1,2,3]}},"output":{"width":9,"toneMap":"none"}})";
+  RenderSpec spec = parsed(document);
+  apply_options({}, parsed("{}"), spec);
+  EXPECT_EQ(spec_hash(spec), spec_hash(parsed(document)));
+}
+
+TEST(RenderOptions, AColourThatIsNone) {
+  for (const char* background : {"#fff", "#gg0000", "#12345", "#"}) {
+    RenderOptions options;
+    options.background = background;
+    EXPECT_THROW(request_document(options, ""), Error) << background;
+  }
+}
+
+}  // namespace
+}  // namespace furnace

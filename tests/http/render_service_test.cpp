@@ -1,0 +1,87 @@
+#include "server/render_service.hpp"
+
+#include <gtest/gtest.h>
+
+#include "fake_painter.hpp"
+#include "renderer/base/error.hpp"
+
+namespace furnace {
+namespace {
+
+class RenderServiceTest : public ::testing::Test {
+ protected:
+  RenderSpec small() {
+    RenderSpec spec;
+    spec.output.width = spec.output.height = 8;
+    return spec;
+  }
+
+  testing::FakePainter fake_;
+  WorkerPool pool_{1};
+  Admission admission_{1, 0};
+  RenderService service_{fake_.painter(), admission_, pool_};
+};
+
+TEST_F(RenderServiceTest, EncodesInTheFormatAskedFor) {
+  RenderSpec spec = small();
+  const EncodedImage png = service_.render(spec, {});
+  EXPECT_EQ(png.media_type, "image/png");
+  EXPECT_TRUE(png.bytes.starts_with("\x89PNG"));
+  spec.output.format = OutputFormat::kExr;
+  const EncodedImage exr = service_.render(spec, {});
+  EXPECT_EQ(exr.media_type, "image/x-exr");
+  EXPECT_TRUE(exr.bytes.starts_with("\x76\x2f\x31\x01"));
+}
+
+TEST_F(RenderServiceTest, SameRequestSameBytesAndTag) {
+  EXPECT_EQ(service_.render(small(), {}).bytes, service_.render(small(), {}).bytes);
+  EXPECT_EQ(service_.etag(small()), service_.etag(small()));
+}
+
+TEST_F(RenderServiceTest, TheTagTellsRequestsAndBuildsApart) {
+  RenderSpec other = small();
+  other.output.width = 9;
+  EXPECT_NE(service_.etag(small()), service_.etag(other));
+  const RenderService elsewhere(fake_.painter("fake/2"), admission_, pool_);
+  EXPECT_NE(service_.etag(small()), elsewhere.etag(small()));
+}
+
+TEST_F(RenderServiceTest, StrictTurnsNotesIntoProblems) {
+  fake_.notes = {{"extension-ignored", "/extensionsUsed/0", "KHR_x is not supported"},
+                 {"image-missing", "/images/1", "b.png"}};
+  RenderSpec spec = small();
+  EXPECT_EQ(service_.render(spec, {}).notes.size(), 2u);
+  spec.strict = true;
+  try {
+    service_.render(spec, {});
+    FAIL() << "rendered";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code, ErrorCode::kUnprocessable);
+    ASSERT_EQ(error.problems.size(), 2u);
+    EXPECT_EQ(error.problems[1].pointer, "/images/1");
+    EXPECT_EQ(error.problems[1].message, "image-missing: b.png");
+  }
+}
+
+TEST_F(RenderServiceTest, ASeatIsHeldWhileDrawingAndGivenBackOnFailure) {
+  fake_.before_drawing = [this](const Deadline&) {
+    EXPECT_EQ(admission_.seats_in_use(), 1);
+    fail(ErrorCode::kGpuUnavailable, "lost");
+  };
+  EXPECT_THROW(service_.render(small(), {}), Error);
+  EXPECT_EQ(admission_.seats_in_use(), 0);
+}
+
+TEST_F(RenderServiceTest, NoSeatNoPicture) {
+  const auto seat = admission_.enter({});
+  try {
+    service_.render(small(), {});
+    FAIL() << "rendered";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code, ErrorCode::kOverloaded);
+  }
+  EXPECT_EQ(fake_.drawn, 0);
+}
+
+}  // namespace
+}  // namespace furnace

@@ -1,0 +1,229 @@
+// The whole API without a socket and without GL.
+#include "server/routes.hpp"
+
+#include <memory>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fake_painter.hpp"
+#include "api/document.hpp"
+
+namespace furnace {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr const char* kSmall = R"({"output":{"width":8,"height":8}})";
+
+class RoutesTest : public ::testing::Test {
+ protected:
+  Reply send(Request request) const { return dispatcher_.handle(request); }
+
+  Reply get(std::string path) const {
+    Request request;
+    request.method = "GET";
+    request.path = std::move(path);
+    return send(request);
+  }
+
+  Reply post(std::string body, std::map<std::string, std::string, HeaderLess> headers = {}) const {
+    Request request;
+    request.method = "POST";
+    request.path = "/v1/renders";
+    request.id = "test-id";
+    request.headers = std::move(headers);
+    request.headers.emplace("Content-Type", "application/json");
+    request.body = std::move(body);
+    return send(request);
+  }
+
+  static std::string header(const Reply& reply, std::string_view name) {
+    for (const auto& [key, value] : reply.headers) {
+      if (key == name) return value;
+    }
+    return "(none)";
+  }
+
+  // A problem document of this status, with the status inside it.
+  static void expect_problem(const Reply& reply, int status) {
+    EXPECT_EQ(reply.status, status) << reply.body;
+    EXPECT_EQ(reply.media_type, "application/problem+json");
+    EXPECT_EQ(header(reply, "Cache-Control"), "no-store");
+    const auto document = api::Document::parse(reply.body, {});
+    EXPECT_EQ(document.root()["status"].integer(), status);
+    EXPECT_FALSE(document.root()["title"].text().empty());
+  }
+
+  testing::FakePainter fake_;
+  WorkerPool pool_{1};
+  Admission admission_{1, 0};
+  RenderService service_{fake_.painter(), admission_, pool_};
+  FileAssets files_{{}, 0, 1 << 20};
+  Metrics metrics_{"test"};
+  bool probe_is_right_ = true;
+  Readiness readiness_{[this](const Deadline&) { return probe_is_right_; }, std::chrono::seconds(1)};
+  const Doors doors_{service_, admission_, files_, readiness_, metrics_, {}, 4};
+  const Dispatcher dispatcher_{public_routes(doors_, true), metrics_};
+};
+
+TEST_F(RoutesTest, APictureWithItsHeaders) {
+  const Reply reply = post(kSmall);
+  EXPECT_EQ(reply.status, 200) << reply.body;
+  EXPECT_EQ(reply.media_type, "image/png");
+  EXPECT_TRUE(reply.body.starts_with("\x89PNG"));
+  EXPECT_EQ(header(reply, "ETag").front(), '"');
+  EXPECT_EQ(header(reply, "Vary"), "Accept");
+  EXPECT_EQ(header(reply, "Furnace-Fingerprint"), "fake/1");
+  EXPECT_EQ(header(reply, "Furnace-Notes"), "0");
+  EXPECT_EQ(header(reply, "X-Request-Id"), "test-id");
+  EXPECT_EQ(header(reply, "X-Content-Type-Options"), "nosniff");
+  EXPECT_THAT(header(reply, "Server-Timing"), HasSubstr("draw;dur=1.00"));
+}
+
+TEST_F(RoutesTest, AnEmptyPostIsTheDefaultPicture) {
+  Request request;
+  request.method = "POST";
+  request.path = "/v1/renders";
+  EXPECT_EQ(send(request).status, 200);
+}
+
+TEST_F(RoutesTest, AKnownTagIsAnsweredWithoutDrawing) {
+  const std::string etag = header(post(kSmall), "ETag");
+  EXPECT_EQ(fake_.drawn, 1);
+  const Reply reply = post(kSmall, {{"If-None-Match", "\"other\", " + etag}});
+  EXPECT_EQ(reply.status, 304);
+  EXPECT_EQ(reply.body, "");
+  EXPECT_EQ(header(reply, "ETag"), etag);
+  EXPECT_EQ(fake_.drawn, 1);
+  EXPECT_EQ(post(R"({"output":{"width":9,"height":8}})", {{"If-None-Match", etag}}).status, 200);
+}
+
+TEST_F(RoutesTest, AcceptChoosesAFormatThatTheDocumentLeavesOpen) {
+  EXPECT_EQ(post(kSmall, {{"Accept", "image/x-exr"}}).media_type, "image/x-exr");
+  EXPECT_EQ(post(kSmall, {{"Accept", "image/png;q=0.5, image/x-exr"}}).media_type, "image/x-exr");
+  EXPECT_EQ(post(kSmall, {{"Accept", "*/*"}}).media_type, "image/png");
+  EXPECT_NE(header(post(kSmall, {{"Accept", "image/x-exr"}}), "ETag"), header(post(kSmall), "ETag"));
+}
+
+TEST_F(RoutesTest, AFormatInTheDocumentWinsUnlessAcceptExcludesIt) {
+  const std::string exr = R"({"output":{"width":8,"height":8,"format":"exr"}})";
+  EXPECT_EQ(post(exr, {{"Accept", "image/png, */*;q=0.1"}}).media_type, "image/x-exr");
+  expect_problem(post(exr, {{"Accept", "image/png"}}), 406);
+  expect_problem(post(kSmall, {{"Accept", "text/html"}}), 406);
+  expect_problem(post(R"({"output":{"format":"png"}})", {{"Accept", "image/x-exr"}}), 406);
+}
+
+TEST_F(RoutesTest, BrokenRequestsAreProblems) {
+  expect_problem(post("{"), 400);
+  expect_problem(post(R"({"output":{"width":0,"colour":1}})"), 422);
+  expect_problem(post(kSmall, {{"Content-Type", "text/plain"}}), 415);
+  expect_problem(post("no boundary", {{"Content-Type", "multipart/form-data"}}), 400);
+}
+
+TEST_F(RoutesTest, AllProblemsWithTheirPointers) {
+  const Reply reply = post(R"({"output":{"width":0,"colour":1}})");
+  EXPECT_THAT(reply.body, HasSubstr("/output/width"));
+  EXPECT_THAT(reply.body, HasSubstr("/output/colour"));
+}
+
+TEST_F(RoutesTest, FilesOfAMultipartRequest) {
+  const std::map<std::string, std::string, HeaderLess> type = {
+      {"Content-Type", "multipart/form-data; boundary=B"}};
+  const auto part = [](const std::string& name, const std::string& body) {
+    return "--B\r\nContent-Disposition: form-data; name=\"" + name + "\"\r\n\r\n" + body + "\r\n";
+  };
+  EXPECT_EQ(post(part("request", kSmall) + "--B--", type).status, 200);
+  EXPECT_EQ(post(part("unused", "bytes") + "--B--", type).status, 200);
+  expect_problem(post(part("request", "{}") + part("request", "{}") + "--B--", type), 400);
+  expect_problem(
+      post(part("a", "") + part("b", "") + part("c", "") + part("d", "") + part("e", "") + "--B--", type),
+      413);
+  expect_problem(post(part("request", R"({"scene":{"model":"part:absent"}})") + "--B--", type), 404);
+}
+
+TEST_F(RoutesTest, NotesAreCounted) {
+  fake_.notes = {{"a", "", ""}, {"b", "", ""}, {"a", "", ""}};
+  EXPECT_EQ(header(post(kSmall), "Furnace-Notes"), "3;codes=\"a b\"");
+}
+
+TEST_F(RoutesTest, StrangersAndWrongMethods) {
+  expect_problem(get("/v1/nothing"), 404);
+  const Reply reply = get("/v1/renders");
+  expect_problem(reply, 405);
+  EXPECT_EQ(header(reply, "Allow"), "POST, OPTIONS");
+  Request request;
+  request.method = "OPTIONS";
+  request.path = "/version";
+  EXPECT_EQ(header(send(request), "Allow"), "GET, HEAD, OPTIONS");
+}
+
+TEST_F(RoutesTest, OverloadSaysWhenToComeBack) {
+  const auto seat = admission_.enter({});
+  const Reply reply = post(kSmall);
+  expect_problem(reply, 429);
+  EXPECT_EQ(header(reply, "Retry-After"), "1");
+}
+
+TEST_F(RoutesTest, WhateverAHandlerThrowsIsAProblem) {
+  fake_.before_drawing = [](const Deadline&) { throw std::runtime_error("secret of the house"); };
+  const Reply reply = post(kSmall);
+  expect_problem(reply, 500);
+  EXPECT_EQ(reply.body.find("secret"), std::string::npos);
+}
+
+TEST_F(RoutesTest, APassedDeadlineIs504) {
+  Request request;
+  request.method = "POST";
+  request.path = "/v1/renders";
+  request.deadline = Deadline(std::chrono::milliseconds(-1));
+  expect_problem(send(request), 504);
+}
+
+TEST_F(RoutesTest, Documents) {
+  for (const char* path : {"/v1/schema.json", "/openapi.json", "/v1/capabilities", "/version"}) {
+    const Reply reply = get(path);
+    EXPECT_EQ(reply.status, 200) << path;
+    EXPECT_NO_THROW(api::Document::parse(reply.body, {})) << path;
+    Request again;
+    again.method = "HEAD";
+    again.path = path;
+    again.headers["If-None-Match"] = header(reply, "ETag");
+    EXPECT_EQ(send(again).status, 304) << path;
+  }
+  EXPECT_EQ(get("/").status, 200);
+}
+
+TEST_F(RoutesTest, Health) {
+  EXPECT_EQ(get("/livez").status, 200);
+  probe_is_right_ = false;
+  expect_problem(get("/readyz"), 503);
+  probe_is_right_ = true;
+  EXPECT_EQ(get("/readyz").status, 200);
+  readiness_.drain();
+  expect_problem(get("/readyz"), 503);
+  EXPECT_EQ(get("/livez").status, 200);
+}
+
+TEST_F(RoutesTest, MetricsCountWhatHappened) {
+  post(kSmall);
+  get("/v1/nothing");
+  const std::string text = get("/metrics").body;
+  EXPECT_THAT(text, HasSubstr("furnace_requests_total{route=\"/v1/renders\",status=\"200\"} 1"));
+  EXPECT_THAT(text, HasSubstr("furnace_requests_total{route=\"none\",status=\"404\"} 1"));
+  EXPECT_THAT(text, HasSubstr("furnace_renders_total 1"));
+  EXPECT_THAT(text, HasSubstr("furnace_stage_seconds_count{stage=\"draw\"} 1"));
+}
+
+TEST_F(RoutesTest, OperationsCanLeaveMetricsToTheOtherListener) {
+  const Dispatcher without(public_routes(doors_, false), metrics_);
+  Request request;
+  request.method = "GET";
+  request.path = "/metrics";
+  EXPECT_EQ(without.handle(request).status, 404);
+  EXPECT_EQ(Dispatcher(operation_routes(doors_, true), metrics_).handle(request).status, 200);
+}
+
+}  // namespace
+}  // namespace furnace

@@ -1,0 +1,111 @@
+#include "tests/image/sample_files.hpp"
+
+#include <csetjmp>
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+
+#include <jpeglib.h>
+#include <png.h>
+#include <webp/encode.h>
+
+namespace furnace::sample {
+
+std::vector<std::uint8_t> noise(std::size_t size, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::vector<std::uint8_t> bytes(size);
+  for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
+  return bytes;
+}
+
+namespace {
+
+[[noreturn]] void throw_png_error(png_structp, png_const_charp message) { throw std::runtime_error(message); }
+
+void set_transparency(png_structp png, png_infop info, const PngOptions& options) {
+  if (options.transparency.empty()) return;
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(options.transparency.data());
+  const auto sample = [&](std::size_t i) { return static_cast<png_uint_16>(bytes[2 * i] << 8 | bytes[2 * i + 1]); };
+  png_color_16 key{};
+  if (options.color_type == PNG_COLOR_TYPE_GRAY) key.gray = sample(0);
+  if (options.color_type == PNG_COLOR_TYPE_RGB) key = {0, sample(0), sample(1), sample(2), 0};
+  png_set_tRNS(png, info, bytes, static_cast<int>(options.transparency.size()), &key);
+}
+
+}  // namespace
+
+std::string png(int width, int height, const std::vector<std::uint8_t>& rows, const PngOptions& options) {
+  std::string file;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, throw_png_error, nullptr);
+  png_infop info = png_create_info_struct(png);
+  png_set_write_fn(
+      png, &file,
+      [](png_structp p, png_bytep bytes, std::size_t size) {
+        static_cast<std::string*>(png_get_io_ptr(p))->append(reinterpret_cast<char*>(bytes), size);
+      },
+      nullptr);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), options.depth,
+               options.color_type, options.interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  if (!options.palette.empty()) {
+    png_set_PLTE(png, info, reinterpret_cast<const png_color*>(options.palette.data()),
+                 static_cast<int>(options.palette.size() / 3));
+  }
+  set_transparency(png, info, options);
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, options.filters);
+  png_write_info(png, info);
+  const std::size_t stride = rows.size() / static_cast<std::size_t>(height);
+  std::vector<png_bytep> pointers;
+  for (int y = 0; y < height; ++y) pointers.push_back(const_cast<png_bytep>(rows.data()) + stride * static_cast<std::size_t>(y));
+  png_write_image(png, pointers.data());
+  png_write_end(png, info);
+  png_destroy_write_struct(&png, &info);
+  return file;
+}
+
+std::string flat_jpeg(int width, int height, const std::vector<std::uint8_t>& color, JpegKind kind) {
+  jpeg_compress_struct encoder{};
+  jpeg_error_mgr errors{};
+  encoder.err = jpeg_std_error(&errors);  // ends the process: these files are well-formed
+  jpeg_create_compress(&encoder);
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&encoder, &bytes, &size);
+  encoder.image_width = static_cast<JDIMENSION>(width);
+  encoder.image_height = static_cast<JDIMENSION>(height);
+  encoder.input_components = static_cast<int>(color.size());
+  encoder.in_color_space = kind == JpegKind::kGrey ? JCS_GRAYSCALE : color.size() == 4 ? JCS_CMYK : JCS_RGB;
+  jpeg_set_defaults(&encoder);
+  if (color.size() == 4) {
+    jpeg_set_colorspace(&encoder, kind == JpegKind::kAdobeCmyk ? JCS_YCCK : JCS_CMYK);
+    encoder.write_Adobe_marker = kind == JpegKind::kAdobeCmyk;
+  }
+  if (kind == JpegKind::kProgressive) jpeg_simple_progression(&encoder);
+  jpeg_set_quality(&encoder, 100, TRUE);
+  jpeg_start_compress(&encoder, TRUE);
+  std::vector<std::uint8_t> row;
+  for (int x = 0; x < width; ++x) row.insert(row.end(), color.begin(), color.end());
+  JSAMPROW pointer = row.data();
+  for (int y = 0; y < height; ++y) jpeg_write_scanlines(&encoder, &pointer, 1);
+  jpeg_finish_compress(&encoder);
+  jpeg_destroy_compress(&encoder);
+  std::string file(reinterpret_cast<char*>(bytes), size);
+  std::free(bytes);
+  return file;
+}
+
+std::string lossless_webp(int width, int height, int channels, const std::vector<std::uint8_t>& samples) {
+  std::uint8_t* bytes = nullptr;
+  const auto encode = channels == 4 ? WebPEncodeLosslessRGBA : WebPEncodeLosslessRGB;
+  const std::size_t size = encode(samples.data(), width, height, width * channels, &bytes);
+  std::string file(reinterpret_cast<char*>(bytes), size);
+  WebPFree(bytes);
+  return file;
+}
+
+std::string rgbe_header(int width, int height) {
+  return "#?RADIANCE\n# made by a test\nFORMAT=32-bit_rle_rgbe\n\n-Y " + std::to_string(height) + " +X " +
+         std::to_string(width) + "\n";
+}
+
+}  // namespace furnace::sample

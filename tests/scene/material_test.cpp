@@ -1,0 +1,73 @@
+#include "renderer/scene/material.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+namespace furnace {
+namespace {
+
+TEST(DefaultMaterial, HasTheDefaultsOfGltf) {
+  const Material material = default_material();
+  EXPECT_EQ(material.base_color, glm::vec4(1));
+  EXPECT_EQ(material.metallic, 1);
+  EXPECT_EQ(material.perceptual_roughness, 1);
+  EXPECT_EQ(material.emissive, glm::vec3(0));
+  EXPECT_EQ(material.emissive_strength, 1);
+  EXPECT_EQ(material.alpha_mode, AlphaMode::kOpaque);
+  EXPECT_EQ(material.alpha_cutoff, 0.5f);
+  EXPECT_FALSE(material.double_sided);
+  EXPECT_FALSE(material.base_color_texture.has_value());
+}
+
+TEST(MaterialPreset, EveryNameIsKebabCaseUniqueAndGivesAMaterialOfThatName) {
+  std::set<std::string_view> seen;
+  for (const std::string_view name : material_preset_names()) {
+    EXPECT_THAT(std::string(name), testing::MatchesRegex("[a-z]+(-[a-z]+)*"));
+    EXPECT_TRUE(seen.insert(name).second) << name;
+    const auto material = material_preset(name);
+    ASSERT_TRUE(material.has_value()) << name;
+    EXPECT_EQ(material->name, name);
+  }
+  EXPECT_GE(seen.size(), 25u);
+}
+
+TEST(MaterialPreset, ValuesArePhysical) {
+  for (const std::string_view name : material_preset_names()) {
+    const Material material = *material_preset(name);
+    SCOPED_TRACE(material.name);
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_GT(material.base_color[i], 0.005f);
+      // A diffuse surface that returns more than chalk does would look as if it glowed.
+      EXPECT_LE(material.base_color[i], material.metallic == 0 ? 0.9f : 1.0f);
+    }
+    EXPECT_EQ(material.base_color.a, 1);
+    EXPECT_GE(material.metallic, 0);
+    EXPECT_LE(material.metallic, 1);
+    EXPECT_GE(material.perceptual_roughness, 0);
+    EXPECT_LE(material.perceptual_roughness, 1);
+  }
+}
+
+TEST(MaterialPreset, ContractNamesExist) {
+  for (const char* name :
+       {"gold",         "silver",        "copper",    "aluminum", "aluminium",    "iron",       "chrome",
+        "titanium",     "nickel",        "platinum",  "brass",    "gold-brushed", "gold-rough", "plastic-red",
+        "rubber-black", "ceramic-white", "porcelain", "clay",     "chalk",        "wood-oak",   "paint-red"})
+    EXPECT_TRUE(material_preset(name).has_value()) << name;
+}
+
+TEST(MaterialPreset, SpellingsOfAluminumAreOneMaterial) {
+  EXPECT_EQ(material_preset("aluminum")->base_color, material_preset("aluminium")->base_color);
+}
+
+TEST(MaterialPreset, UnknownNamesGiveNothing) {
+  EXPECT_FALSE(material_preset("unobtainium").has_value());
+  EXPECT_FALSE(material_preset("").has_value());
+  EXPECT_FALSE(material_preset("Gold").has_value());
+}
+
+}  // namespace
+}  // namespace furnace

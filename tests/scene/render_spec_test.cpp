@@ -1,0 +1,195 @@
+#include "renderer/scene/render_spec.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <map>
+
+namespace furnace {
+namespace {
+
+std::shared_ptr<const ModelBundle> model_of(std::uint8_t first_hash_byte) {
+  auto model = std::make_shared<ModelBundle>();
+  model->hash.bytes[0] = first_hash_byte;
+  return model;
+}
+
+// Every optional and every list is filled, so that each field can be changed on its own.
+RenderSpec full_spec() {
+  RenderSpec spec;
+  spec.scene.model = model_of(1);
+  spec.scene.nodes = {NodeSpec{.mesh = "cube", .material = "gold"},
+                      NodeSpec{.mesh = "sphere", .material = "red"}};
+  spec.scene.materials["red"] = {.preset = "plastic-red",
+                                 .base_color = glm::vec4(0.5f),
+                                 .metallic = 0.5f,
+                                 .perceptual_roughness = 0.5f,
+                                 .emissive_strength = 0.5f,
+                                 .normal_scale = 0.5f,
+                                 .occlusion_strength = 0.5f,
+                                 .alpha_cutoff = 0.25f,
+                                 .emissive = glm::vec3(0.5f),
+                                 .alpha_mode = AlphaMode::kMask,
+                                 .double_sided = false,
+                                 .unlit = false};
+  return spec;
+}
+
+struct Mutation {
+  const char* field;
+  std::function<void(RenderSpec&)> apply;
+};
+
+MaterialOverride& red(RenderSpec& spec) {
+  return spec.scene.materials.at("red");
+}
+NodeSpec& node(RenderSpec& spec) {
+  return spec.scene.nodes[0];
+}
+OrbitCamera& orbit(RenderSpec& spec) {
+  return std::get<OrbitCamera>(spec.camera.view);
+}
+LookAtCamera& look(RenderSpec& spec) {
+  if (!std::holds_alternative<LookAtCamera>(spec.camera.view)) spec.camera.view = LookAtCamera{};
+  return std::get<LookAtCamera>(spec.camera.view);
+}
+
+const std::vector<Mutation> kMutations = {
+    {"nothing", [](RenderSpec&) {}},
+    {"model", [](RenderSpec& s) { s.scene.model = model_of(2); }},
+    {"no model", [](RenderSpec& s) { s.scene.model = nullptr; }},
+    {"model without a hash", [](RenderSpec& s) { s.scene.model = model_of(0); }},
+    {"gltf scene", [](RenderSpec& s) { s.scene.gltf_scene = 0; }},
+    {"one node less", [](RenderSpec& s) { s.scene.nodes.pop_back(); }},
+    {"nodes swapped", [](RenderSpec& s) { std::swap(s.scene.nodes[0], s.scene.nodes[1]); }},
+    {"node mesh", [](RenderSpec& s) { node(s).mesh = "torus"; }},
+    {"node material", [](RenderSpec& s) { node(s).material = "red"; }},
+    {"node without material", [](RenderSpec& s) { node(s).material.reset(); }},
+    {"node with empty material", [](RenderSpec& s) { node(s).material = ""; }},
+    {"node translation x", [](RenderSpec& s) { node(s).translation.x = 1; }},
+    {"node translation y", [](RenderSpec& s) { node(s).translation.y = 1; }},
+    {"node translation z", [](RenderSpec& s) { node(s).translation.z = 1; }},
+    {"node rotation w", [](RenderSpec& s) { node(s).rotation.w = 0.5f; }},
+    {"node rotation x", [](RenderSpec& s) { node(s).rotation.x = 0.5f; }},
+    {"node rotation y", [](RenderSpec& s) { node(s).rotation.y = 0.5f; }},
+    {"node rotation z", [](RenderSpec& s) { node(s).rotation.z = 0.5f; }},
+    {"node scale", [](RenderSpec& s) { node(s).scale.y = 2; }},
+    {"no material", [](RenderSpec& s) { s.scene.materials.clear(); }},
+    {"material key",
+     [](RenderSpec& s) {
+       s.scene.materials = {{"rot", s.scene.materials.at("red")}};
+     }},
+    {"material added", [](RenderSpec& s) { s.scene.materials["other"]; }},
+    {"preset", [](RenderSpec& s) { red(s).preset = "chalk"; }},
+    {"no preset", [](RenderSpec& s) { red(s).preset.reset(); }},
+    {"base color", [](RenderSpec& s) { red(s).base_color->a = 1; }},
+    {"no base color", [](RenderSpec& s) { red(s).base_color.reset(); }},
+    {"metallic", [](RenderSpec& s) { red(s).metallic = 0; }},
+    {"no metallic", [](RenderSpec& s) { red(s).metallic.reset(); }},
+    {"roughness", [](RenderSpec& s) { red(s).perceptual_roughness = 0; }},
+    {"no roughness", [](RenderSpec& s) { red(s).perceptual_roughness.reset(); }},
+    {"emissive strength", [](RenderSpec& s) { red(s).emissive_strength = 0; }},
+    {"no emissive strength", [](RenderSpec& s) { red(s).emissive_strength.reset(); }},
+    {"normal scale", [](RenderSpec& s) { red(s).normal_scale = 0; }},
+    {"no normal scale", [](RenderSpec& s) { red(s).normal_scale.reset(); }},
+    {"occlusion strength", [](RenderSpec& s) { red(s).occlusion_strength = 0; }},
+    {"no occlusion strength", [](RenderSpec& s) { red(s).occlusion_strength.reset(); }},
+    {"alpha cutoff", [](RenderSpec& s) { red(s).alpha_cutoff = 0; }},
+    {"no alpha cutoff", [](RenderSpec& s) { red(s).alpha_cutoff.reset(); }},
+    {"emissive", [](RenderSpec& s) { red(s).emissive->b = 0; }},
+    {"no emissive", [](RenderSpec& s) { red(s).emissive.reset(); }},
+    {"alpha mode", [](RenderSpec& s) { red(s).alpha_mode = AlphaMode::kOpaque; }},
+    {"no alpha mode", [](RenderSpec& s) { red(s).alpha_mode.reset(); }},
+    {"double sided", [](RenderSpec& s) { red(s).double_sided = true; }},
+    {"no double sided", [](RenderSpec& s) { red(s).double_sided.reset(); }},
+    {"unlit", [](RenderSpec& s) { red(s).unlit = true; }},
+    {"no unlit", [](RenderSpec& s) { red(s).unlit.reset(); }},
+    {"environment name", [](RenderSpec& s) { s.environment.map = BuiltinName{"overcast"}; }},
+    {"environment file", [](RenderSpec& s) { s.environment.map = EnvironmentFile{Blob(std::string("a"))}; }},
+    {"other file", [](RenderSpec& s) { s.environment.map = EnvironmentFile{Blob(std::string("b"))}; }},
+    {"environment color", [](RenderSpec& s) { s.environment.map = EnvironmentColor{}; }},
+    {"other color",
+     [](RenderSpec& s) {
+       s.environment.map = EnvironmentColor{{1, 1, 0.5f}};
+     }},
+    {"environment rotation", [](RenderSpec& s) { s.environment.rotation_rad = 1; }},
+    {"intensity", [](RenderSpec& s) { s.environment.intensity = 2; }},
+    {"background", [](RenderSpec& s) { s.environment.background = BackgroundKind::kTransparent; }},
+    {"background color", [](RenderSpec& s) { s.environment.background_color.g = 1; }},
+    {"azimuth", [](RenderSpec& s) { orbit(s).azimuth_rad = 1; }},
+    {"elevation", [](RenderSpec& s) { orbit(s).elevation_rad = 1; }},
+    {"fit", [](RenderSpec& s) { orbit(s).fit = 1; }},
+    {"orbit field of view", [](RenderSpec& s) { orbit(s).fov_y_rad = 1; }},
+    {"orthographic", [](RenderSpec& s) { orbit(s).orthographic = true; }},
+    {"look-at", [](RenderSpec& s) { look(s); }},
+    {"eye", [](RenderSpec& s) { look(s).eye.x = 1; }},
+    {"target", [](RenderSpec& s) { look(s).target.x = 1; }},
+    {"up", [](RenderSpec& s) { look(s).up.x = 1; }},
+    {"look-at field of view", [](RenderSpec& s) { look(s).fov_y_rad = 1; }},
+    {"glTF camera", [](RenderSpec& s) { s.camera.view = GltfCamera{}; }},
+    {"glTF camera 1", [](RenderSpec& s) { s.camera.view = GltfCamera{1}; }},
+    {"glTF camera by name", [](RenderSpec& s) { s.camera.view = GltfCamera{"front"}; }},
+    {"exposure", [](RenderSpec& s) { s.camera.exposure_ev = 1; }},
+    {"width", [](RenderSpec& s) { s.output.width = 512; }},
+    {"height", [](RenderSpec& s) { s.output.height = 512; }},
+    {"format", [](RenderSpec& s) { s.output.format = OutputFormat::kExr; }},
+    {"EXR type", [](RenderSpec& s) { s.output.exr_type = SampleType::kFloat32; }},
+    {"tone map", [](RenderSpec& s) { s.output.tone_map = ToneMap::kNone; }},
+    {"samples", [](RenderSpec& s) { s.output.samples = 16; }},
+    {"strict", [](RenderSpec& s) { s.strict = true; }},
+};
+
+TEST(SpecHash, EveryFieldMakesItsOwnDifference) {
+  std::map<ContentHash, const char*> seen;
+  for (const Mutation& mutation : kMutations) {
+    RenderSpec spec = full_spec();
+    mutation.apply(spec);
+    const auto [other, fresh] = seen.emplace(spec_hash(spec), mutation.field);
+    EXPECT_TRUE(fresh) << '"' << mutation.field << "\" hashes like \"" << other->second << '"';
+  }
+}
+
+TEST(SpecHash, EqualSpecsAreEqual) {
+  for (const Mutation& mutation : kMutations) {
+    RenderSpec a = full_spec(), b = full_spec();
+    mutation.apply(a);
+    mutation.apply(b);
+    EXPECT_EQ(spec_hash(a), spec_hash(b)) << mutation.field;
+  }
+  EXPECT_EQ(spec_hash(RenderSpec{}), spec_hash(RenderSpec{}));
+}
+
+TEST(SpecHash, OrderOfInsertionIntoAMapDoesNotMatter) {
+  RenderSpec a, b;
+  a.scene.materials["x"].metallic = 1;
+  a.scene.materials["y"].metallic = 0;
+  b.scene.materials["y"].metallic = 0;
+  b.scene.materials["x"].metallic = 1;
+  EXPECT_EQ(spec_hash(a), spec_hash(b));
+}
+
+TEST(SpecHash, ZeroHasNoSign) {
+  RenderSpec a, b;
+  a.camera.exposure_ev = 0.0;
+  b.camera.exposure_ev = -0.0;
+  b.environment.background_color = glm::vec3(-0.0f);
+  EXPECT_EQ(spec_hash(a), spec_hash(b));
+}
+
+TEST(SpecHash, NeighbouringStringsDoNotRunTogether) {
+  RenderSpec a, b;
+  a.scene.nodes = {NodeSpec{.mesh = "ab", .material = "c"}};
+  b.scene.nodes = {NodeSpec{.mesh = "a", .material = "bc"}};
+  EXPECT_NE(spec_hash(a), spec_hash(b));
+}
+
+TEST(SpecHash, AModelIsItsBytesNotItsAddress) {
+  RenderSpec a, b;
+  a.scene.model = model_of(7);
+  b.scene.model = model_of(7);
+  EXPECT_EQ(spec_hash(a), spec_hash(b));
+}
+
+}  // namespace
+}  // namespace furnace
