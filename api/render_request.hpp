@@ -25,7 +25,7 @@ struct QualityLevel {
   std::string_view name;
   int samples;
 };
-inline constexpr std::array kQualityLevels = {QualityLevel{"draft", 1}, QualityLevel{"standard", 4},
+inline constexpr std::array kQualityLevels = {QualityLevel{"draft", 1}, QualityLevel{"standard", 1},
                                               QualityLevel{"high", 16}, QualityLevel{"reference", 64}};
 inline constexpr std::string_view kDefaultQuality = "standard";
 

@@ -30,7 +30,7 @@ struct GlOutcome {
 };
 
 GlOutcome draw_on_gl_thread(RenderWorld& world, const RenderSpec& spec, const Preparation& preparation, const View& view,
-                            const Deadline& deadline) {
+                            int max_tile_px, const Deadline& deadline) {
   GlOutcome outcome;
   gl::Context& context = world.context();
   world.programs().poll_sources(context);
@@ -45,7 +45,7 @@ GlOutcome draw_on_gl_thread(RenderWorld& world, const RenderSpec& spec, const Pr
   outcome.upload_ms = ms_since(upload_start);
   outcome.upload_hit = !world.residency().uploaded();
 
-  const FramePlan plan = plan_frame(spec, context.limits());
+  const FramePlan plan = plan_frame(spec, context.limits(), max_tile_px);
   outcome.frame = world.frames().render(world.residency(), plan, view, scene, *preparation.scene.environment, deadline);
   if (context.lost()) outcome.kind = GlOutcome::Kind::kContextLost;
   return outcome;
@@ -84,11 +84,13 @@ struct Renderer::State {
         gl_thread("gl-0",
                   [world_config = RenderWorldConfig{config.gl, config.shader_dir, config.gpu_cache_bytes},
                    keys = resident] { return std::make_unique<RenderWorld>(world_config, keys); }),
-        scenes(config, pool, resident) {}
+        scenes(config, pool, resident),
+        max_tile_px(config.max_tile_px) {}
 
   std::shared_ptr<ResidentKeys> resident;
   GlThread gl_thread;
   SceneStore scenes;
+  const int max_tile_px;
   Fingerprint fingerprint;
   gl::Limits limits;
 };
@@ -116,7 +118,7 @@ Film Renderer::render(const RenderSpec& spec, const Deadline& deadline) {
     const Clock::time_point asked = Clock::now();
     outcome = state_->gl_thread.call(deadline, [&](RenderWorld& world) {
       const double queue_ms = ms_since(asked);
-      GlOutcome drawn = draw_on_gl_thread(world, spec, preparation, view, deadline);
+      GlOutcome drawn = draw_on_gl_thread(world, spec, preparation, view, state_->max_tile_px, deadline);
       drawn.queue_ms = queue_ms;
       return drawn;
     });

@@ -24,6 +24,7 @@ struct RendererConfig {
   std::int64_t scene_cache_bytes = 256ll << 20;    // parsed scenes
   std::int64_t bake_cache_bytes = 512ll << 20;     // baked environments, CPU
   std::int64_t gpu_cache_bytes = 1024ll << 20;     // meshes, textures, environments on the GPU, per context
+  int max_tile_px = 1024;                          // larger pictures are drawn in tiles of this side
   ImportLimits import;
   DecodeLimits texture;
   DecodeLimits environment{8192, 8192ll * 4096};

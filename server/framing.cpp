@@ -4,9 +4,11 @@
 #include <atomic>
 #include <cctype>
 #include <charconv>
+#include <ctime>
 #include <optional>
 #include <random>
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include "server/negotiation.hpp"
@@ -64,6 +66,18 @@ Framing read_framing(const Request& head, std::string_view http_version, std::in
   }
   framing.content_length = *length;
   return framing;
+}
+
+std::string http_date() {
+  return fmt::format("{:%a, %d %b %Y %H:%M:%S GMT}", fmt::gmtime(std::time(nullptr)));
+}
+
+std::string raw_response(const Reply& reply) {
+  std::string text = fmt::format(
+      "HTTP/1.1 {} \r\nDate: {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\n",
+      reply.status, http_date(), reply.media_type, reply.body.size());
+  for (const auto& [name, value] : reply.headers) text += fmt::format("{}: {}\r\n", name, value);
+  return text.append("\r\n").append(reply.body);
 }
 
 bool is_sane_request_id(std::string_view id) {

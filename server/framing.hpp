@@ -1,4 +1,5 @@
-// What a request's head says about its body, and whether it can be believed (RFC 9112 section 6).
+// HTTP/1.1 as text: what a request's head says about its body and whether it can be believed (RFC 9112 section 6), and
+// the few things we write ourselves.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +23,11 @@ struct Framing {
 };
 
 Framing read_framing(const Request& head, std::string_view http_version, std::int64_t max_body_bytes);
+
+std::string http_date();  // now, as in a Date field
+
+// A whole response as text, for replies that the HTTP library cannot write; ends the connection.
+std::string raw_response(const Reply& reply);
 
 // A client's X-Request-Id is kept when it is plain enough for logs and headers.
 bool is_sane_request_id(std::string_view id);

@@ -14,13 +14,11 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
-#include <ctime>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <utility>
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <httplib.h>
 
@@ -43,13 +41,16 @@ constexpr std::int64_t kChunkOverhead = 64 << 10;
 
 // One request as it passes through the library's hooks, on the stack of its connection's thread.
 struct Exchange {
-  Request request;
-  Framing framing;
-  SocketIo* io = nullptr;
+  SocketIo& io;
+  std::atomic<std::int64_t>& all_bodies_bytes;
+  Request request = {};
+  Framing framing = {};
   bool head_complete = false;
   bool replied = false;
   bool close = false;           // the connection cannot carry another request
   std::int64_t body_bytes = 0;  // taken from the budget of all bodies
+
+  ~Exchange() { all_bodies_bytes -= body_bytes; }
 };
 
 thread_local Exchange* current_exchange = nullptr;
@@ -76,19 +77,6 @@ void fill(httplib::Response& out, Reply reply) {
   out.body = std::move(reply.body);
   if (!reply.media_type.empty()) out.set_header("Content-Type", reply.media_type);
   for (const auto& [name, value] : reply.headers) out.set_header(name, value);
-}
-
-std::string http_date() {
-  return fmt::format("{:%a, %d %b %Y %H:%M:%S GMT}", fmt::gmtime(std::time(nullptr)));
-}
-
-// For replies that the library cannot write because it never had a request.
-std::string raw_response(const Reply& reply) {
-  std::string text = fmt::format(
-      "HTTP/1.1 {} \r\nDate: {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\n",
-      reply.status, http_date(), reply.media_type, reply.body.size());
-  for (const auto& [name, value] : reply.headers) text += fmt::format("{}: {}\r\n", name, value);
-  return text.append("\r\n").append(reply.body);
 }
 
 // What ended a read: time, `too_much` or something else.
@@ -164,8 +152,9 @@ struct HttpServer::State : private httplib::Server {
   bool process_and_close_socket(socket_t socket) override;
   void bind();
   void install_hooks();
+  void listen_again();
   void serve_connection(int socket);
-  bool serve_request(SocketIo& io);
+  bool serve_request(SocketIo& io, bool last);
   void receive_head(httplib::Request& head, Exchange& exchange);
   bool receive_body(const httplib::ContentReader& reader, Exchange& exchange, httplib::Response& out);
   void answer(Exchange& exchange, httplib::Response& out);
@@ -184,7 +173,7 @@ struct HttpServer::State : private httplib::Server {
   std::atomic<std::int64_t> bodies_bytes_ = 0;
   std::mutex mutex_;
   std::condition_variable ended_;
-  bool listening_ = false;
+  std::atomic<bool> listening_ = false;
   std::thread accept_thread_;
 };
 
@@ -240,7 +229,7 @@ void HttpServer::State::install_hooks() {
     Exchange& exchange = *current_exchange;
     if (exchange.replied) return HandlerResponse::Unhandled;
     refuse(exchange,
-           refusal_for(exchange.io->fault(), {431, "The request's headers are too long."},
+           refusal_for(exchange.io.fault(), {431, "The request's headers are too long."},
                        {out.status, "The request's line or headers are malformed or too long."}),
            out);
     return HandlerResponse::Handled;
@@ -261,28 +250,37 @@ void HttpServer::State::install_hooks() {
 void HttpServer::State::start() {
   listening_ = true;
   accept_thread_ = std::thread([this] {
-    listen_after_bind();
+    while (!stopping_) {
+      listen_after_bind();
+      if (!stopping_) listen_again();
+    }
     const std::lock_guard lock(mutex_);
     listening_ = false;
     ended_.notify_all();
   });
-  while (!is_running()) std::this_thread::yield();
+  while (!is_running() && listening_) std::this_thread::yield();
+}
+
+void HttpServer::State::listen_again() {
+  log::error("server.listener_lost", {{"detail", std::generic_category().message(errno)}});
+  while (!stopping_ && !bind_to_port(config_.address.host, port)) std::this_thread::sleep_for(kWatchPeriod);
 }
 
 void HttpServer::State::stop_serving(milliseconds drain) {
   if (!accept_thread_.joinable()) return;
   stopping_ = true;
-  Server::stop();  // the accepting thread now waits for its pool
   const auto end = Clock::now() + drain;
   {
     std::unique_lock lock(mutex_);
-    while (!ended_.wait_for(lock, kWatchPeriod, [this] { return !listening_; })) {
+    do {
+      // Once it has taken this, the accepting thread waits for its pool. It may just be binding again and not take it yet.
+      if (is_running() && svr_sock_ != INVALID_SOCKET) Server::stop();
       if (Clock::now() < end) {
         cancel_abandoned();
       } else {
         in_flight_.cancel_all();
       }
-    }
+    } while (!ended_.wait_for(lock, kWatchPeriod, [this] { return !listening_; }));
   }
   accept_thread_.join();
 }
@@ -309,11 +307,10 @@ bool HttpServer::State::process_and_close_socket(socket_t socket) {
 
 void HttpServer::State::refuse_connection(int socket) {
   metrics_.connections_refused.Increment();
-  ::send(socket, too_many_connections_.data(), too_many_connections_.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-  ::shutdown(socket, SHUT_WR);
-  char unread[4096];
-  while (::recv(socket, unread, sizeof unread, MSG_DONTWAIT) > 0) {
-  }
+  SocketIo io(socket, config_.io);
+  io.write(too_many_connections_.data(),
+           too_many_connections_.size());  // fits the empty send buffer: no waiting here
+  io.linger(milliseconds(0));
 }
 
 void HttpServer::State::serve_connection(int socket) {
@@ -323,26 +320,23 @@ void HttpServer::State::serve_connection(int socket) {
     return stopping_ || (pool_->under_pressure() && Clock::now() - opened > std::chrono::seconds(1));
   };
   bool more = io.wait_for_request(config_.io.header_timeout, too_late);
-  for (int served = 1; more && serve_request(io) && served < kMaxRequestsPerConnection; ++served) {
+  for (int left = kMaxRequestsPerConnection - 1; more && serve_request(io, left == 0); --left) {
     more = io.wait_for_request(config_.keep_alive, [this] { return stopping_ || pool_->under_pressure(); });
   }
 }
 
 // Returns whether the connection may carry another request.
-bool HttpServer::State::serve_request(SocketIo& io) {
-  Exchange exchange;
-  exchange.io = &io;
+bool HttpServer::State::serve_request(SocketIo& io, bool last) {
+  Exchange exchange{io, bodies_bytes_};
   current_exchange = &exchange;
   Stream stream(io);
   io.begin_head([this] { return pool_->under_pressure(); });
   bool closed_by_header = false;
-  const bool last = stopping_ || pool_->under_pressure();
+  last = last || stopping_ || pool_->under_pressure();
   const bool written =
       process_request(stream, last, closed_by_header,
                       [this, &exchange](httplib::Request& head) { receive_head(head, exchange); });
   if (!exchange.replied) refuse_without_head(exchange);
-  bodies_bytes_ -= exchange.body_bytes;
-  current_exchange = nullptr;
   if (exchange.replied && (exchange.close || !exchange.head_complete)) io.linger(kLinger);
   return written && exchange.head_complete && !exchange.close && !closed_by_header && !last;
 }
@@ -376,7 +370,7 @@ void HttpServer::State::receive_head(httplib::Request& head, Exchange& exchange)
   head.headers = std::move(kept);
   head.ranges.clear();
   head.path = "/";
-  exchange.io->begin_body(config_.max_body_bytes + config_.max_body_bytes / 4 + kChunkOverhead);
+  exchange.io.begin_body(config_.max_body_bytes + config_.max_body_bytes / 4 + kChunkOverhead);
 }
 
 bool HttpServer::State::receive_body(const httplib::ContentReader& reader, Exchange& exchange,
@@ -398,7 +392,7 @@ bool HttpServer::State::receive_body(const httplib::ContentReader& reader, Excha
   });
   if (complete) return true;
   if (refusal.status == 0) {
-    refusal = refusal_for(exchange.io->fault(), {413, "The body is too large."},
+    refusal = refusal_for(exchange.io.fault(), {413, "The body is too large."},
                           {400, "The body ended early or its chunks are malformed."});
   }
   refuse(exchange, refusal, out);
@@ -406,7 +400,7 @@ bool HttpServer::State::receive_body(const httplib::ContentReader& reader, Excha
 }
 
 void HttpServer::State::answer(Exchange& exchange, httplib::Response& out) {
-  const InFlight::Entry entry(in_flight_, exchange.io->socket());
+  const InFlight::Entry entry(in_flight_, exchange.io.socket());
   exchange.request.deadline = Deadline(config_.timeout, entry.token());
   fill(out, dispatcher_.handle(exchange.request));
   exchange.replied = true;
@@ -423,11 +417,11 @@ void HttpServer::State::refuse(Exchange& exchange, const Refusal& refusal, httpl
 
 // The library gave up silently: the head never came to its end.
 void HttpServer::State::refuse_without_head(Exchange& exchange) {
-  const Refusal refusal = refusal_for(exchange.io->fault(), {414, "The request's line is too long."}, {});
+  const Refusal refusal = refusal_for(exchange.io.fault(), {414, "The request's line is too long."}, {});
   if (refusal.status == 0) return;
   exchange.request.id = new_request_id();
   const std::string text = raw_response(dispatcher_.refuse(exchange.request, refusal));
-  exchange.replied = exchange.io->write(text.data(), text.size());
+  exchange.replied = exchange.io.write(text.data(), text.size());
 }
 
 HttpServer::HttpServer(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics)

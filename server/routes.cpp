@@ -212,18 +212,25 @@ Reply get_ready(const Doors& doors) {
 
 void Readiness::check() {
   if (draining_) fail(ErrorCode::kGpuUnavailable, "The server is shutting down.");
-  const std::lock_guard lock(mutex_);
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock) {
+    if (!was_good_) fail(ErrorCode::kGpuUnavailable, "The probe picture is being drawn.");
+    return;
+  }
   if (Clock::now() < good_until_) return;
   bool right = false;
   try {
     right = probe_(Deadline(timeout_));
   } catch (const Error& error) {
+    was_good_ = false;
     fail(ErrorCode::kGpuUnavailable, "The probe picture could not be drawn: " + error.message, {},
          error.detail);
   }
-  if (!right)
+  was_good_ = right;
+  if (!right) {
     fail(ErrorCode::kGpuUnavailable,
          "The probe picture came out wrong; furnace doctor examines the machine.");
+  }
   good_until_ = Clock::now() + std::chrono::seconds(1);
 }
 

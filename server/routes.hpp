@@ -14,7 +14,8 @@
 
 namespace furnace {
 
-// Whether this process can draw: asks with a real picture, at most once a second.
+// Whether this process can draw: asks with a real picture, at most once a second. While one caller asks, others get the
+// last answer, so that nobody waits for them.
 // Threads: any. Owns: the last answer.
 class Readiness {
  public:
@@ -32,6 +33,7 @@ class Readiness {
   std::atomic<bool> draining_ = false;
   std::mutex mutex_;  // one probe at a time
   Clock::time_point good_until_{};
+  std::atomic<bool> was_good_ = false;
 };
 
 // What handlers work with; everything outlives the routes.

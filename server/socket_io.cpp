@@ -121,21 +121,17 @@ bool SocketIo::write(const char* data, std::size_t size) {
   return true;
 }
 
-bool SocketIo::readable_now() {
-  return next_ < buffer_.size() || wait_ready(socket_, POLLIN, milliseconds(0));
-}
-
 void SocketIo::linger(milliseconds patience) {
   ::shutdown(socket_, SHUT_WR);
   const auto end = Clock::now() + patience;
   std::array<char, kBufferBytes> sink;
   std::int64_t swallowed = 0;
-  while (Clock::now() < end && swallowed < kMaxLingerBytes) {
+  do {
     const ssize_t got = ::recv(socket_, sink.data(), sink.size(), MSG_DONTWAIT);
     if (got == 0 || (got < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)) return;
     if (got > 0) swallowed += got;
-    if (got < 0) wait_ready(socket_, POLLIN, kSlice);
-  }
+    if (got < 0) wait_ready(socket_, POLLIN, std::min(kSlice, patience));
+  } while (Clock::now() < end && swallowed < kMaxLingerBytes);
 }
 
 std::vector<bool> hung_up(std::span<const int> sockets) {

@@ -38,7 +38,6 @@ class SocketIo {
 
   ssize_t read(char* out, std::size_t size);  // > 0, or -1 with fault()
   bool write(const char* data, std::size_t size);
-  bool readable_now();
   ReadFault fault() const { return fault_; }
 
   // Says that no more will be sent and swallows what still comes: closing over unread bytes would reset the

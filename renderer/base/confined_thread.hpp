@@ -35,7 +35,7 @@ class ConfinedThread {
   // Runs `make_world` on the new thread and waits for it; its exception comes out here. `name` is shown by
   // debuggers (15 characters).
   ConfinedThread(const std::string& name, Factory make_world);
-  // Ends what is queued, destroys the World on its thread, joins. No call may begin any more.
+  // Ends what is queued, lets all callers leave, destroys the World on its thread. No call may begin any more.
   ~ConfinedThread();
   ConfinedThread(const ConfinedThread&) = delete;
   ConfinedThread& operator=(const ConfinedThread&) = delete;
@@ -78,6 +78,8 @@ class ConfinedThread {
   std::condition_variable work_arrived_;
   std::deque<Call*> queue_;
   std::optional<Clock::time_point> running_since_;
+  int callers_ = 0;  // inside of a call, and therefore users of this object
+  std::condition_variable callers_left_;
   bool stopping_ = false;
   std::thread thread_;
 };
@@ -107,6 +109,8 @@ void ConfinedThread<World>::stop() {
   }
   work_arrived_.notify_one();
   thread_.join();
+  std::unique_lock lock(mutex_);
+  callers_left_.wait(lock, [&] { return callers_ == 0; });
 }
 
 template <class World>
@@ -149,17 +153,19 @@ void ConfinedThread<World>::submit_and_wait(const Deadline& deadline, Body& body
 
   std::unique_lock lock(mutex_);
   FURNACE_CHECK(!stopping_, "a call to a thread that is being stopped, {} before it", queue_.size());
+  ++callers_;
   queue_.push_back(&call);
   work_arrived_.notify_one();
   const bool begun = call.progressed.wait_until(lock, deadline.cancel_token(), deadline.end(),
                                                 [&] { return call.progress != Progress::kQueued; });
-  if (!begun) {
+  if (begun) {
+    call.progressed.wait(lock, [&] { return call.progress == Progress::kEnded; });
+  } else {
     std::erase(queue_, &call);
-    lock.unlock();
-    fail_deadline(deadline, "waiting for a confined thread");
   }
-  call.progressed.wait(lock, [&] { return call.progress == Progress::kEnded; });
+  if (--callers_ == 0) callers_left_.notify_all();
   lock.unlock();
+  if (!begun) fail_deadline(deadline, "waiting for a confined thread");
   if (call.failure) std::rethrow_exception(std::move(call.failure));
 }
 

@@ -38,6 +38,8 @@ struct WorkerPool::State {
   std::mutex mutex;
   std::condition_variable work_arrived;
   std::deque<Job*> lanes[2];  // tickets, by Lane
+  int callers = 0;            // inside of run or parallel_for, and therefore users of this state
+  std::condition_variable callers_left;
   bool stopping = false;
   std::vector<std::thread> threads;
 
@@ -79,6 +81,7 @@ void WorkerPool::State::work() {
 void WorkerPool::State::submit(Lane lane, Job& job, std::size_t tickets) {
   {
     const std::lock_guard lock(mutex);
+    ++callers;
     job.unfinished = static_cast<int>(tickets);
     for (std::size_t i = 0; i < tickets; ++i) lanes[static_cast<int>(lane)].push_back(&job);
   }
@@ -93,6 +96,7 @@ void WorkerPool::State::withdraw(Lane lane, Job& job) {
 void WorkerPool::State::wait(Job& job) {
   std::unique_lock lock(mutex);
   job.all_finished.wait(lock, [&] { return job.unfinished == 0; });
+  if (--callers == 0) callers_left.notify_all();
 }
 
 WorkerPool::WorkerPool(int threads) : state_(std::make_unique<State>()) {
@@ -110,6 +114,8 @@ WorkerPool::~WorkerPool() {
   }
   state_->work_arrived.notify_all();
   for (std::thread& thread : state_->threads) thread.join();
+  std::unique_lock lock(state_->mutex);
+  state_->callers_left.wait(lock, [&] { return state_->callers == 0; });
 }
 
 int WorkerPool::threads() const {

@@ -9,7 +9,7 @@ namespace furnace {
 
 enum class Lane { kEncode, kDecode };
 
-// Threads: any may call. Owns: its threads; the destructor finishes what is queued.
+// Threads: any may call. Owns: its threads; the destructor finishes what is queued and lets all callers leave.
 class WorkerPool {
  public:
   explicit WorkerPool(int threads);  // >= 1

@@ -34,9 +34,7 @@ struct FramePlan {
   bool opaque = true;                // no transparent pixel can come out
 };
 
-// Pixels are drawn in tiles of at most this side, so that memory does not grow with the picture.
-inline constexpr int kMaxTilePx = 1024;
-
-FramePlan plan_frame(const RenderSpec& spec, const gl::Limits& limits, int max_tile_px = kMaxTilePx);
+// Pixels are drawn in tiles of at most `max_tile_px` a side, so that memory does not grow with the picture.
+FramePlan plan_frame(const RenderSpec& spec, const gl::Limits& limits, int max_tile_px);
 
 }  // namespace furnace

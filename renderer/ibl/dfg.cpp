@@ -1,9 +1,10 @@
 #include "renderer/ibl/dfg.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
+#include "renderer/ibl/lanes.hpp"
 #include "renderer/ibl/quadrature.hpp"
 
 namespace furnace {
@@ -11,94 +12,154 @@ namespace furnace {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kPolarNodes = 24;
-constexpr int kAzimuthNodes = 16;
-
-struct LobeSums {
-  double scale = 0;
-  double bias = 0;
-  double normal = 0;   // first moment of f (n.l) for F = 1: along n,
-  double tangent = 0;  // and along the tangent that the mirror direction leans to
-};
+constexpr int kPolarNodes = 20;    // for each part of the polar angle
+constexpr int kAzimuthBlocks = 2;  // of eight nodes
 
 struct View {
   double cos_v = 0;
   double sin_v = 0;
   double alpha2 = 0;  // alpha^2
+  double root_v = 0;  // sqrt(alpha^2 + (1 - alpha^2) (n.v)^2), of Smith's term for v
 };
 
-// Adds the half vectors at the angle theta_h from n, of weight `ring` = D cos(theta_h) d omega_h / d phi.
-// With d omega_l = 4 (v.h) d omega_h the integrand f (n.l) d omega_l is D V F (n.l) 4 (v.h) d omega_h, and
-// V (n.l) (Heitz 2014, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", height-correlated)
-// goes to 0 smoothly with n.l, at an azimuth known in closed form: n.l = 2 (v.h) cos(theta_h) - n.v > 0.
-void add_ring(const View& view, double cos_h, double sin_h, double ring, const std::vector<QuadratureNode>& unit,
-              LobeSums& sums) {
-  const double slant = view.sin_v * sin_h;
-  const double limit = view.cos_v * (0.5 / cos_h - cos_h);  // of slant cos(phi)
-  if (limit >= slant) return;
-  const double end = limit <= -slant ? kPi : std::acos(limit / slant);
-  const double lambda_v_root = std::sqrt(view.alpha2 + (1 - view.alpha2) * view.cos_v * view.cos_v);
-  for (const QuadratureNode& node : unit) {
-    const double cos_phi = std::cos(end * node.x);
-    const double VoH = slant * cos_phi + view.cos_v * cos_h;
-    const double NoL = 2 * VoH * cos_h - view.cos_v;
-    if (NoL <= 0) continue;
-    const double v_times_NoL =
-        0.5 * NoL / (NoL * lambda_v_root + view.cos_v * std::sqrt(view.alpha2 + (1 - view.alpha2) * NoL * NoL));
-    // Both halves of the azimuth; D d omega_h = ring / cos_h.
-    const double weight = 2 * end * node.weight * ring / cos_h * v_times_NoL * 4 * VoH;
-    const double fresnel = std::pow(1 - VoH, 5);  // Schlick 1994, "An Inexpensive BRDF Model for Physically-based Rendering"
-    sums.scale += weight * (1 - fresnel);
-    sums.bias += weight * fresnel;
-    sums.normal += weight * NoL;
-    sums.tangent += weight * (view.sin_v - 2 * VoH * sin_h * cos_phi);  // -(l . tangent of v), l = 2 (v.h) h - v
+// Half vectors at one angle theta_h from n; `weight` = D cos(theta_h) d omega_h / d phi.
+struct Ring {
+  double cos_h = 0;
+  double sin_h = 0;
+  double weight = 0;
+  double end = 0;  // the azimuth from v at which n.l becomes 0, or pi
+};
+
+// Sums over half vectors, by lanes: integrand, integrand times Fresnel's (1 - v.h)^5, and the first moment of the
+// integrand along n and along the tangent that the mirror direction leans to.
+struct LobeSums {
+  Lanes total = {};
+  Lanes fresnel = {};
+  Lanes normal = {};
+  Lanes tangent = {};
+};
+
+struct AzimuthNodes {
+  Lanes x[kAzimuthBlocks];  // on [0, 1]
+  Lanes weight[kAzimuthBlocks];
+};
+
+[[gnu::always_inline]] inline Lanes square_root(Lanes a) {
+  for (int i = 0; i < 8; ++i) a.v[i] = std::sqrt(a.v[i]);
+  return a;
+}
+
+// For 0 <= x <= pi: 1 - 2 sin^2(x / 2) by Taylor's series, to 1e-12.
+[[gnu::always_inline]] inline Lanes cosine(const Lanes& x) {
+  const Lanes half = 0.5 * x, z = half * half;
+  Lanes series = Lanes::all(1.0 / 1307674368000);  // 1 / 15!
+  for (double factorial : {6227020800.0, 39916800.0, 362880.0, 5040.0, 120.0, 6.0, 1.0})
+    series = Lanes::all(1 / factorial) - z * series;
+  const Lanes sine = half * series;
+  return Lanes::all(1) - 2 * (sine * sine);
+}
+
+// With d omega_l = 4 (v.h) d omega_h the integrand f (n.l) d omega_l is D V F (n.l) 4 (v.h) d omega_h, and V (n.l)
+// (Heitz 2014, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", height-correlated)
+//   = 0.5 (n.l) / ((n.l) sqrt(a2 + (1 - a2) (n.v)^2) + (n.v) sqrt(a2 + (1 - a2) (n.l)^2))
+// goes to 0 with n.l = 2 (v.h) cos(theta_h) - n.v. F is Schlick's (1994, "An Inexpensive BRDF Model for
+// Physically-based Rendering").
+[[gnu::always_inline]] inline void add_rings(const View& view, std::span<const Ring> rings, const AzimuthNodes& azimuth,
+                                             LobeSums& sums) {
+  const Lanes cos_v = Lanes::all(view.cos_v), alpha2 = Lanes::all(view.alpha2);
+  for (const Ring& ring : rings) {
+    for (int k = 0; k < kAzimuthBlocks; ++k) {
+      const Lanes slant = (view.sin_v * ring.sin_h) * cosine(ring.end * azimuth.x[k]);  // of v.h
+      const Lanes VoH = slant + Lanes::all(view.cos_v * ring.cos_h);
+      const Lanes NoL = 2 * ring.cos_h * VoH - cos_v;
+      const Lanes root_l = square_root(alpha2 + (1 - view.alpha2) * (NoL * NoL));
+      const Lanes smith = {0.5 * NoL.v / (view.root_v * NoL + view.cos_v * root_l).v};
+      // Both halves of the azimuth; D d omega_h = weight / cos(theta_h).
+      const double factor = 2 * ring.end * ring.weight / ring.cos_h * 4;
+      const Lanes value = factor * azimuth.weight[k] * smith * VoH;
+      const Lanes miss = Lanes::all(1) - VoH, miss2 = miss * miss;
+      sums.total += value;
+      sums.fresnel += value * (miss2 * miss2 * miss);
+      sums.normal += value * NoL;
+      // l = 2 (v.h) h - v along -(tangent of v)
+      const double to_tangent = view.sin_v > 0 ? 1 / view.sin_v : 0;
+      sums.tangent += value * (Lanes::all(view.sin_v) - (2 * to_tangent) * (VoH * slant));
+    }
   }
 }
 
-// D cos(theta_h) d omega_h = du d phi / (2 pi) with tan^2(theta_h) = alpha^2 u / (1 - u) (Walter 2007). The integral over
-// theta_h is cut where the azimuth begins to be limited, (pi/2 - theta_v) / 2, and ends where nothing is left.
-LobeSums integrate_lobe(const View& view, const std::vector<QuadratureNode>& polar, const std::vector<QuadratureNode>& azimuth) {
-  LobeSums sums;
+double sum_of(const Lanes& lanes) {
+  double sum = 0;
+  for (int i = 0; i < 8; ++i) sum += lanes[i];
+  return sum;
+}
+
+// Nodes on [0, 1] that crowd at both ends like s = x^2 (3 - 2 x).
+std::vector<QuadratureNode> crowded_nodes(int count) {
+  std::vector<QuadratureNode> nodes = gauss_legendre(count, 0, 1);
+  for (QuadratureNode& node : nodes) {
+    node.weight *= 6 * node.x * (1 - node.x);
+    node.x = node.x * node.x * (3 - 2 * node.x);
+  }
+  return nodes;
+}
+
+// D cos(theta_h) d omega_h = du d phi / (2 pi) with tan^2(theta_h) = alpha^2 u / (1 - u) (Walter 2007, "Microfacet Models
+// for Refraction through Rough Surfaces"). n.l > 0 limits the azimuth from theta_h = (pi/2 - theta_v) / 2 on and leaves
+// nothing at (pi/2 + theta_v) / 2; the integral is cut there, and the nodes crowd there, since the limit has a root.
+std::vector<Ring> rings_of(const View& view, const std::vector<QuadratureNode>& polar) {
   const double theta_v = std::acos(view.cos_v);
   const auto u_of = [&](double theta) {
     const double tan2 = std::pow(std::tan(theta), 2);
     return tan2 / (view.alpha2 + tan2);
   };
-  const double cuts[] = {0, (kPi / 2 - theta_v) / 2, (kPi / 2 + theta_v) / 2};
+  const double cuts[] = {0, u_of((kPi / 2 - theta_v) / 2), u_of((kPi / 2 + theta_v) / 2)};
+  std::vector<Ring> rings;
   for (int part = 0; part < 2; ++part) {
-    const double begin = u_of(cuts[part]), length = u_of(cuts[part + 1]) - begin;
     for (const QuadratureNode& node : polar) {
-      // Nodes crowd at both ends of the part, where the azimuth's limit has a root.
-      const double s = node.x * node.x * (3 - 2 * node.x);
-      const double u = begin + length * s;
-      const double ring = node.weight * 6 * node.x * (1 - node.x) * length / (2 * kPi);
+      const double u = cuts[part] + (cuts[part + 1] - cuts[part]) * node.x;
       const double tan2 = view.alpha2 * u / (1 - u);
-      const double cos_h = 1 / std::sqrt(1 + tan2);
-      add_ring(view, cos_h, std::sqrt(tan2) * cos_h, ring, azimuth, sums);
+      Ring ring;
+      ring.cos_h = 1 / std::sqrt(1 + tan2);
+      ring.sin_h = std::sqrt(tan2) * ring.cos_h;
+      ring.weight = node.weight * (cuts[part + 1] - cuts[part]) / (2 * kPi);
+      const double limit = view.cos_v * (0.5 / ring.cos_h - ring.cos_h) / (view.sin_v * ring.sin_h);  // of cos(phi)
+      ring.end = limit <= -1 ? kPi : limit >= 1 ? 0 : std::acos(limit);
+      rings.push_back(ring);
     }
   }
-  return sums;
+  return rings;
+}
+
+DfgTexel integrate_lobe(double cos_v, double roughness, const std::vector<QuadratureNode>& polar,
+                        const AzimuthNodes& azimuth) {
+  View view{cos_v, std::sqrt(1 - cos_v * cos_v), std::pow(roughness, 4), 0};
+  view.root_v = std::sqrt(view.alpha2 + (1 - view.alpha2) * cos_v * cos_v);
+  const std::vector<Ring> rings = rings_of(view, polar);
+  LobeSums sums;
+  in_widest_registers([&]() __attribute__((always_inline)) { add_rings(view, rings, azimuth, sums); });
+  const double total = sum_of(sums.total), fresnel = sum_of(sums.fresnel);
+  const double normal = sum_of(sums.normal), tangent = sum_of(sums.tangent);
+  return {static_cast<float>(total - fresnel), static_cast<float>(fresnel),
+          static_cast<float>(std::acos(cos_v) - std::atan2(tangent, normal)),
+          static_cast<float>(std::hypot(normal, tangent) / total)};
 }
 
 }  // namespace
 
 DfgTable compute_dfg_table(int size) {
-  const std::vector<QuadratureNode> polar = gauss_legendre(kPolarNodes, 0, 1);
-  const std::vector<QuadratureNode> azimuth = gauss_legendre(kAzimuthNodes, 0, 1);
-  DfgTable table{size, std::vector<DfgTexel>(std::size_t(size) * size)};
-  for (int row = 0; row < size; ++row) {
-    const double roughness = (row + 0.5) / size;
-    for (int column = 0; column < size; ++column) {
-      const double cos_v = (column + 0.5) / size;
-      const View view{cos_v, std::sqrt(1 - cos_v * cos_v), std::pow(roughness, 4)};
-      const LobeSums sums = integrate_lobe(view, polar, azimuth);
-      DfgTexel& texel = table.texels[std::size_t(row) * size + column];
-      texel.scale = static_cast<float>(sums.scale);
-      texel.bias = static_cast<float>(sums.bias);
-      texel.lean_rad = static_cast<float>(std::acos(cos_v) - std::atan2(sums.tangent, sums.normal));
-      texel.spread = static_cast<float>(std::hypot(sums.normal, sums.tangent) / (sums.scale + sums.bias));
-    }
+  const std::vector<QuadratureNode> polar = crowded_nodes(kPolarNodes);
+  const std::vector<QuadratureNode> unit = gauss_legendre(8 * kAzimuthBlocks, 0, 1);
+  AzimuthNodes azimuth;
+  for (int k = 0; k < 8 * kAzimuthBlocks; ++k) {
+    azimuth.x[k / 8].set(k % 8, unit[k].x);
+    azimuth.weight[k / 8].set(k % 8, unit[k].weight);
   }
+  DfgTable table{size, std::vector<DfgTexel>(std::size_t(size) * size)};
+  for (int row = 0; row < size; ++row)
+    for (int column = 0; column < size; ++column)
+      table.texels[std::size_t(row) * size + column] =
+          integrate_lobe((column + 0.5) / size, (row + 0.5) / size, polar, azimuth);
   return table;
 }
 

@@ -9,7 +9,7 @@ namespace furnace {
 struct alignas(64) Lanes {
   typedef double Vector __attribute__((vector_size(64)));
 
-  Vector v = {};
+  Vector v;  // Lanes{} is zero, plain Lanes is not set
 
   double operator[](int i) const { return v[i]; }
   void set(int i, double value) { v[i] = value; }
@@ -24,6 +24,30 @@ struct alignas(64) Lanes {
   [[gnu::always_inline]] friend Lanes operator*(const Lanes& a, const Lanes& b) { return {a.v * b.v}; }
   [[gnu::always_inline]] friend Lanes operator*(double a, const Lanes& b) { return {a * b.v}; }
 };
+
+namespace detail {
+
+typedef long long LaneIndices __attribute__((vector_size(64)));
+
+}  // namespace detail
+
+// Lane i of block[k] <-> lane k of block[i].
+[[gnu::always_inline]] inline void transpose(Lanes (&block)[8]) {
+  constexpr detail::LaneIndices kSwap[3][2] = {
+      {{0, 8, 2, 10, 4, 12, 6, 14}, {1, 9, 3, 11, 5, 13, 7, 15}},
+      {{0, 1, 8, 9, 4, 5, 12, 13}, {2, 3, 10, 11, 6, 7, 14, 15}},
+      {{0, 1, 2, 3, 8, 9, 10, 11}, {4, 5, 6, 7, 12, 13, 14, 15}},
+  };
+  for (int level = 0; level < 3; ++level) {
+    const int distance = 1 << level;
+    for (int k = 0; k < 8; ++k) {
+      if (k & distance) continue;
+      const Lanes::Vector a = block[k].v, b = block[k + distance].v;
+      block[k].v = __builtin_shuffle(a, b, kSwap[level][0]);
+      block[k + distance].v = __builtin_shuffle(a, b, kSwap[level][1]);
+    }
+  }
+}
 
 #if defined(__x86_64__)
 

@@ -49,7 +49,7 @@ struct Walk {
 [[gnu::always_inline]] inline void sum_degrees_body(Recurrence r, Walk walk, const double* coefficients, Lanes* even,
                                                     Lanes* odd) {
   constexpr int n = LegendreOrder::kPlanes;
-  Lanes even_sum[2 * n], odd_sum[2 * n];
+  Lanes even_sum[2 * n] = {}, odd_sum[2 * n] = {};
   for (int k = 0; k < r.degrees; k += 2) {
     if (k > 0) walk.advance(r.step[k], r.back[k]);
     for (int c = 0; c < n; ++c) {
@@ -120,7 +120,7 @@ std::size_t LegendreOrder::first_block(const std::vector<RowBlock>& blocks) cons
 }
 
 Lanes LegendreOrder::first_degree(const RowBlock& block) const {
-  Lanes pmm;
+  Lanes pmm = {};
   for (int i = 0; i < block.rows; ++i) pmm.set(i, std::exp(table_.log_pmm(m_) + m_ * block.log_sin_theta[i]));
   return pmm;
 }

@@ -9,8 +9,8 @@ namespace furnace {
 
 // Rows theta_j = pi (j + 0.5) / rows of the northern half, eight to a block; the southern ones are their mirror images.
 struct RowBlock {
-  Lanes cos_theta;
-  Lanes log_sin_theta;
+  Lanes cos_theta = {};
+  Lanes log_sin_theta = {};
   double largest_sin = 0;
   int rows = 0;  // of the eight lanes, 0 in a block that fills up the last pair
 };

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "renderer/base/worker_pool.hpp"
 #include "renderer/ibl/tile_resampler.hpp"
@@ -13,7 +15,7 @@ namespace {
 constexpr int kBorder = 1;  // px
 constexpr int kSmallestTile = 64;
 constexpr double kTexelsPerAlpha = 7;     // side of a tile times alpha: the error of bilinear reading
-constexpr double kTexelsPerColumn = 0.85;  // side of a tile per column of the HDRI
+constexpr double kTexelsPerColumn = 0.78;  // side of a tile per column of the HDRI
 constexpr int kLargestTile = 1024;
 constexpr float kLargestHalf = 65504;
 constexpr double kTexelCost_us = 0.005;
@@ -24,31 +26,37 @@ int tile_side(double alpha, int map_columns) {
   return std::clamp(static_cast<int>(std::ceil(side / 8)) * 8, kSmallestTile, kLargestTile);
 }
 
-// Shelves of equal height, tallest first; the sides come in falling order.
-Extent place_tiles(const std::vector<AtlasTile*>& tiles) {
-  double area = 0;
-  int widest = 0;
-  for (const AtlasTile* tile : tiles) {
-    const int side = tile->inner + 2 * kBorder;
-    area += double(side) * side;
-    widest = std::max(widest, side);
-  }
-  const int width = std::max(widest, static_cast<int>(std::sqrt(area) * 1.05));
-  int x = 0, y = 0, shelf = 0, used = 0;
+// Lays squares, largest first, as low as they go under a skyline of the given width; returns the height, or nothing when
+// one does not fit. (Jylanki 2010, "A Thousand Ways to Pack the Bin": skyline, bottom-left.)
+std::optional<int> place_tiles(const std::vector<AtlasTile*>& tiles, int width) {
+  std::vector<int> skyline(width, 0);  // px, by column
   for (AtlasTile* tile : tiles) {
     const int side = tile->inner + 2 * kBorder;
-    if (x + side > width) {
-      x = 0;
-      y += shelf;
-      shelf = 0;
+    int best_x = -1, best_y = std::numeric_limits<int>::max();
+    for (int x = 0; x + side <= width; ++x) {
+      if (x > 0 && skyline[x] == skyline[x - 1]) continue;  // only where the skyline steps
+      const int y = *std::max_element(skyline.begin() + x, skyline.begin() + x + side);
+      if (y < best_y) best_x = x, best_y = y;
     }
-    tile->x = x + kBorder;
-    tile->y = y + kBorder;
-    x += side;
-    used = std::max(used, x);
-    shelf = std::max(shelf, side);
+    if (best_x < 0) return std::nullopt;
+    tile->x = best_x + kBorder;
+    tile->y = best_y + kBorder;
+    std::fill_n(skyline.begin() + best_x, side, best_y + side);
   }
-  return {used, y + shelf};
+  return *std::max_element(skyline.begin(), skyline.end());
+}
+
+// The width with the least area.
+Extent place_tiles(const std::vector<AtlasTile*>& tiles) {
+  Extent best;
+  const int widest = tiles.front()->inner + 2 * kBorder;
+  for (int width = widest; width <= 3 * widest; width += 8) {
+    const std::optional<int> height = place_tiles(tiles, width);
+    const Extent extent{width, height.value_or(0)};
+    if (height && *height <= 3 * widest && (best.width == 0 || extent.area() < best.area())) best = extent;
+  }
+  place_tiles(tiles, best.width);
+  return best;
 }
 
 float largest_sample(const Image& image) {

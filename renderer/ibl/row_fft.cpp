@@ -1,6 +1,5 @@
 #include "renderer/ibl/row_fft.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -9,6 +8,106 @@ namespace furnace {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+
+// A colour's real and imaginary parts of eight rows: rows in lanes.
+struct Planes {
+  Lanes re[3], im[3];
+
+  [[gnu::always_inline]] void load(Lanes* const* rows, int m) { load(const_cast<const Lanes* const*>(rows), m); }
+  [[gnu::always_inline]] void load(const Lanes* const* rows, int m) {
+    Lanes block[8];
+    for (int r = 0; r < 8; ++r) block[r] = rows[r][m];
+    transpose(block);
+    for (int c = 0; c < 3; ++c) re[c] = block[2 * c], im[c] = block[2 * c + 1];
+  }
+  [[gnu::always_inline]] void store(Lanes* const* rows, int m) const {
+    Lanes block[8] = {re[0], im[0], re[1], im[1], re[2], im[2], Lanes{}, Lanes{}};
+    transpose(block);
+    for (int r = 0; r < 8; ++r) rows[r][m] = block[r];
+  }
+  [[gnu::always_inline]] void turn(double cos, double sin) {
+    for (int c = 0; c < 3; ++c) {
+      const Lanes turned = cos * re[c] - sin * im[c];
+      im[c] = cos * im[c] + sin * re[c];
+      re[c] = turned;
+    }
+  }
+};
+
+struct Colours {
+  Lanes *re[3], *im[3];
+};
+
+[[gnu::always_inline]] inline void gather_texels(const RowPairs<const float>& texels, int width, const Colours& out) {
+  for (int i = 0; i < width; ++i) {
+    for (int c = 0; c < 3; ++c) {
+      double* re = reinterpret_cast<double*>(out.re[c] + i);
+      double* im = reinterpret_cast<double*>(out.im[c] + i);
+      for (int r = 0; r < 8; ++r) re[r] = texels.north[r][3 * i + c];
+      for (int r = 0; r < 8; ++r) im[r] = texels.south[r][3 * i + c];
+    }
+  }
+}
+
+typedef float Floats __attribute__((vector_size(32)));
+
+// Not below 0, as floats.
+[[gnu::always_inline]] inline void store_clamped(const Lanes& lanes, float* out) {
+  const Floats clamped = __builtin_convertvector(lanes.v > 0 ? lanes.v : Lanes::Vector{}, Floats);
+  __builtin_memcpy(out, &clamped, sizeof(clamped));
+}
+
+[[gnu::always_inline]] inline void scatter_texels(const Colours& in, int width, const RowPairs<float>& texels) {
+  for (int i = 0; i < width; ++i) {
+    float north[3][8], south[3][8];
+    for (int c = 0; c < 3; ++c) {
+      store_clamped(in.re[c][i], north[c]);
+      store_clamped(in.im[c][i], south[c]);
+    }
+    for (int r = 0; r < 8; ++r)
+      for (int c = 0; c < 3; ++c) texels.north[r][3 * i + c] = north[c][r];
+    for (int r = 0; r < 8; ++r)
+      for (int c = 0; c < 3; ++c) texels.south[r][3 * i + c] = south[c][r];
+  }
+}
+
+// z = n + i s, w = conj(z of -m): n = (z + w) / 2, s = (z - w) / 2i
+[[gnu::always_inline]] inline void split_pairs(const Colours& in, int width, const double* cos, const double* sin,
+                                               const RowPairs<Lanes>& spectra) {
+  for (int m = 0; m <= width / 2; ++m) {
+    const int mirror = m == 0 ? 0 : width - m;
+    Planes north, south;
+    for (int c = 0; c < 3; ++c) {
+      north.re[c] = 0.5 * (in.re[c][m] + in.re[c][mirror]);
+      north.im[c] = 0.5 * (in.im[c][m] - in.im[c][mirror]);
+      south.re[c] = 0.5 * (in.im[c][m] + in.im[c][mirror]);
+      south.im[c] = 0.5 * (in.re[c][mirror] - in.re[c][m]);
+    }
+    north.turn(cos[m], sin[m]);
+    south.turn(cos[m], sin[m]);
+    north.store(spectra.north, m);
+    south.store(spectra.south, m);
+  }
+}
+
+[[gnu::always_inline]] inline void join_pairs(const RowPairs<const Lanes>& spectra, int orders, int width,
+                                              const double* cos, const double* sin, const Colours& out) {
+  for (int m = 0; m < orders; ++m) {
+    Planes north, south;
+    north.load(spectra.north, m);
+    south.load(spectra.south, m);
+    const int phase = m % (2 * width), bin = m % width, mirror = bin == 0 ? 0 : width - bin;
+    north.turn(cos[phase], sin[phase]);
+    south.turn(cos[phase], sin[phase]);
+    for (int c = 0; c < 3; ++c) {
+      out.re[c][bin] += north.re[c] - south.im[c];
+      out.im[c][bin] += north.im[c] + south.re[c];
+      if (m == 0) continue;
+      out.re[c][mirror] += north.re[c] + south.im[c];
+      out.im[c][mirror] += south.re[c] - north.im[c];
+    }
+  }
+}
 
 }  // namespace
 
@@ -25,73 +124,43 @@ RowFft::RowFft(int width) : width_(width), fft_(width) {
   }
 }
 
-void RowFft::prepare(Scratch& scratch) const {
-  scratch.re.assign(width_, {});
-  scratch.im.assign(width_, {});
-  scratch.work.resize(2 * width_);
-}
-
-void RowFft::spectra_of_texels(const Rows<const float>& texels, const Rows<Lanes>& spectra, Scratch& scratch) const {
-  prepare(scratch);
-  Lanes *re = scratch.re.data(), *im = scratch.im.data();
-  const std::vector<float> dark(texels.north.back() && texels.south.back() ? 0 : 3 * width_);  // for absent rows
-  Rows<const float> rows = texels;
-  for (int r = 0; r < kPairs; ++r) {
-    if (!rows.north[r]) rows.north[r] = dark.data();
-    if (!rows.south[r]) rows.south[r] = dark.data();
-  }
-  for (int c = 0; c < 3; ++c) {
-    for (int i = 0; i < width_; ++i) {
-      for (int r = 0; r < kPairs; ++r) re[i].set(r, rows.north[r][3 * i + c]);
-      for (int r = 0; r < kPairs; ++r) im[i].set(r, rows.south[r][3 * i + c]);
-    }
-    fft_.transform(re, im, scratch.work.data());
-    for (int m = 0; m <= width_ / 2; ++m) {
-      const int mirror = m == 0 ? 0 : width_ - m;
-      // z = n + i s, w = conj(z of -m): n = (z + w) / 2, s = (z - w) / 2i
-      const Lanes north_re = 0.5 * (re[m] + re[mirror]), north_im = 0.5 * (im[m] - im[mirror]);
-      const Lanes south_re = 0.5 * (im[m] + im[mirror]), south_im = 0.5 * (re[mirror] - re[m]);
-      const double cos = box_cos_[m], sin = box_sin_[m];
-      const Lanes n_re = cos * north_re - sin * north_im, n_im = cos * north_im + sin * north_re;
-      const Lanes s_re = cos * south_re - sin * south_im, s_im = cos * south_im + sin * south_re;
-      for (int r = 0; r < kPairs; ++r) {
-        if (spectra.north[r]) spectra.north[r][m].set(2 * c, n_re[r]), spectra.north[r][m].set(2 * c + 1, n_im[r]);
-        if (spectra.south[r]) spectra.south[r][m].set(2 * c, s_re[r]), spectra.south[r][m].set(2 * c + 1, s_im[r]);
-      }
-    }
-  }
-}
-
-void RowFft::texels_of_spectra(const Rows<const Lanes>& spectra, int orders, const Rows<float>& texels,
+void RowFft::spectra_of_texels(const RowPairs<const float>& texels, const RowPairs<Lanes>& spectra,
                                Scratch& scratch) const {
+  prepare(scratch);
+  const Colours colours{{scratch.re[0].data(), scratch.re[1].data(), scratch.re[2].data()},
+                        {scratch.im[0].data(), scratch.im[1].data(), scratch.im[2].data()}};
+  const int width = width_;
+  in_widest_registers([=]() __attribute__((always_inline)) { gather_texels(texels, width, colours); });
+  for (int c = 0; c < 3; ++c) fft_.transform(colours.re[c], colours.im[c], scratch.work.data());
+  const double *cos = box_cos_.data(), *sin = box_sin_.data();
+  in_widest_registers([=]() __attribute__((always_inline)) { split_pairs(colours, width, cos, sin, spectra); });
+}
+
+void RowFft::texels_of_spectra(const RowPairs<const Lanes>& spectra, int orders, const RowPairs<float>& texels,
+                               Scratch& scratch) const {
+  prepare(scratch);
+  const Colours colours{{scratch.re[0].data(), scratch.re[1].data(), scratch.re[2].data()},
+                        {scratch.im[0].data(), scratch.im[1].data(), scratch.im[2].data()}};
+  const int width = width_;
+  const double *cos = centre_cos_.data(), *sin = centre_sin_.data();
   for (int c = 0; c < 3; ++c) {
-    prepare(scratch);
-    Lanes *re = scratch.re.data(), *im = scratch.im.data();
-    for (int m = 0; m < orders; ++m) {
-      Lanes north_re, north_im, south_re, south_im;
-      for (int r = 0; r < kPairs; ++r) {
-        if (const Lanes* row = spectra.north[r]) north_re.set(r, row[m][2 * c]), north_im.set(r, row[m][2 * c + 1]);
-        if (const Lanes* row = spectra.south[r]) south_re.set(r, row[m][2 * c]), south_im.set(r, row[m][2 * c + 1]);
-      }
-      const double cos = centre_cos_[m % (2 * width_)], sin = centre_sin_[m % (2 * width_)];
-      const Lanes n_re = cos * north_re - sin * north_im, n_im = cos * north_im + sin * north_re;
-      const Lanes s_re = cos * south_re - sin * south_im, s_im = cos * south_im + sin * south_re;
-      const int bin = m % width_;
-      re[bin] += n_re - s_im;
-      im[bin] += n_im + s_re;
-      if (m == 0) continue;
-      const int mirror = bin == 0 ? 0 : width_ - bin;
-      re[mirror] += n_re + s_im;
-      im[mirror] += s_re - n_im;
-    }
-    fft_.transform(im, re, scratch.work.data());
-    for (int i = 0; i < width_; ++i) {
-      for (int r = 0; r < kPairs; ++r) {
-        if (texels.north[r]) texels.north[r][3 * i + c] = static_cast<float>(std::max(0.0, re[i][r]));
-        if (texels.south[r]) texels.south[r][3 * i + c] = static_cast<float>(std::max(0.0, im[i][r]));
-      }
-    }
+    std::fill_n(colours.re[c], width, Lanes{});
+    std::fill_n(colours.im[c], width, Lanes{});
   }
+  in_widest_registers([=]() __attribute__((always_inline)) {
+    join_pairs(spectra, orders, width, cos, sin, colours);
+  });
+  // The inverse transform is the forward one with real and imaginary parts exchanged.
+  for (int c = 0; c < 3; ++c) fft_.transform(colours.im[c], colours.re[c], scratch.work.data());
+  in_widest_registers([=]() __attribute__((always_inline)) { scatter_texels(colours, width, texels); });
+}
+
+void RowFft::prepare(Scratch& scratch) const {
+  for (int c = 0; c < 3; ++c) {
+    scratch.re[c].resize(width_);
+    scratch.im[c].resize(width_);
+  }
+  scratch.work.resize(2 * width_);
 }
 
 }  // namespace furnace

@@ -1,38 +1,52 @@
 // Rows of an equirect map <-> their Fourier coefficients.
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <vector>
 
 #include "renderer/ibl/lane_fft.hpp"
 
 namespace furnace {
 
-// Eight rows of the north and their eight mirror images in the south at a time: each pair of real rows shares one complex
-// transform, each lane holds one pair. A null pointer is a row that is not there.
+// Eight rows of the north and their mirror images in the south, which are transformed together.
+template <class T>
+struct RowPairs {
+  static constexpr int kCount = 8;
+
+  // Pairs first, first + 1, ... of a map of `rows` rows, the last one repeated when they run out; row(j) gives a row's
+  // first element. A row on the equator is its own mirror image.
+  template <class RowOf>
+  RowPairs(int first, int rows, RowOf&& row) {
+    for (int r = 0; r < kCount; ++r) {
+      const int j = std::min(first + r, (rows - 1) / 2);
+      north[r] = row(j);
+      south[r] = row(rows - 1 - j);
+    }
+  }
+
+  // How many groups of pairs a map has.
+  static int groups(int rows) { return ((rows + 1) / 2 + kCount - 1) / kCount; }
+
+  T* north[kCount];
+  T* south[kCount];
+};
+
+// Each pair of real rows shares one complex transform, each lane holds one pair.
 // Threads: const members any, each with its own scratch. Owns: the transform's tables.
 class RowFft {
  public:
-  static constexpr int kPairs = 8;
-
-  template <class T>
-  struct Rows {
-    std::array<T*, kPairs> north{};
-    std::array<T*, kPairs> south{};
-  };
-
   struct Scratch {
-    std::vector<Lanes> re, im, work;
+    std::vector<Lanes> re[3], im[3], work;
   };
 
   explicit RowFft(int width);
 
   // RGB texels -> c_m for m <= width / 2: f(phi) = sum over m of c_m e^(i m phi), c_-m = conj(c_m), phi from the left edge
-  // of the map; exact for texels that are constant over their width.
-  void spectra_of_texels(const Rows<const float>& texels, const Rows<Lanes>& spectra, Scratch& scratch) const;
+  // of the map; exact for texels that are constant over their width. Sets all lanes.
+  void spectra_of_texels(const RowPairs<const float>& texels, const RowPairs<Lanes>& spectra, Scratch& scratch) const;
 
   // Samples at the texel centres, every order of the spectra; below 0 becomes 0.
-  void texels_of_spectra(const Rows<const Lanes>& spectra, int orders, const Rows<float>& texels,
+  void texels_of_spectra(const RowPairs<const Lanes>& spectra, int orders, const RowPairs<float>& texels,
                          Scratch& scratch) const;
 
  private:

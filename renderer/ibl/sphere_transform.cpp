@@ -42,7 +42,7 @@ constexpr int kOrdersAtOnce = 4;
 
 void analyse_orders(const RowSpectrum& spectrum, const LegendreTable& table, const std::vector<RowBlock>& blocks,
                     int first, int last, HarmonicCoefficients& coefficients) {
-  const int rows = spectrum.rows;
+  const int rows = spectrum.rows();
   std::vector<Lanes> padded(std::size_t(rows + 6) * kOrdersAtOnce), column(rows), scratch(2 * table.bands());
   for (int j = 0; j < rows; ++j)
     for (int m = first; m < last; ++m) padded[std::size_t(m - first) * (rows + 6) + j + 3] = spectrum.row(j)[m];
@@ -66,6 +66,21 @@ void analyse_orders(const RowSpectrum& spectrum, const LegendreTable& table, con
   }
 }
 
+// Planes of eight rows of the north -> the colours of rows j, j + 1, ... and of their mirror images.
+void store_rows(const Lanes* even, const Lanes* odd, int j, int count, int m, RowSpectrum& spectrum) {
+  Lanes north[8] = {}, south[8] = {};
+  for (int c = 0; c < LegendreOrder::kPlanes; ++c) {
+    north[c] = even[c] + odd[c];
+    south[c] = even[c] - odd[c];
+  }
+  transpose(north);
+  transpose(south);
+  for (int i = 0; i < count; ++i) {
+    spectrum.row(spectrum.rows() - 1 - j - i)[m] = south[i];
+    spectrum.row(j + i)[m] = north[i];
+  }
+}
+
 void synthesise_order(const HarmonicCoefficients& coefficients, const LegendreTable& table,
                       const std::vector<double>& kernel, const std::vector<RowBlock>& blocks, int m,
                       RowSpectrum& spectrum) {
@@ -76,26 +91,26 @@ void synthesise_order(const HarmonicCoefficients& coefficients, const LegendreTa
   for (int k = 0; k < legendre.degrees(); ++k)
     for (int c = 0; c < n; ++c) scaled[k * n + c] = kernel[m + k] * source[k][c];
 
-  for (std::size_t b = legendre.first_block(blocks) / 2 * 2; b < blocks.size(); b += 2) {
+  const int rows = spectrum.rows();
+  const std::size_t first = legendre.first_block(blocks) / 2 * 2;
+  for (int j = 0; j < std::min<int>(static_cast<int>(first) * 8, (rows + 1) / 2); ++j)
+    spectrum.row(j)[m] = spectrum.row(rows - 1 - j)[m] = Lanes{};
+  for (std::size_t b = first; b < blocks.size(); b += 2) {
     Lanes even[2 * n], odd[2 * n];
     legendre.sum_degrees(blocks[b], blocks[b + 1], scaled.data(), even, odd);
-    for (int i = 0; i < 16; ++i) {
-      const int j = static_cast<int>(b) * 8 + i, mirror = spectrum.rows - 1 - j;
-      if (j > mirror) break;
-      Lanes &north = spectrum.row(j)[m], &south = spectrum.row(mirror)[m];
-      for (int c = 0; c < n; ++c) {
-        const double e = even[i / 8 * n + c][i % 8], o = odd[i / 8 * n + c][i % 8];
-        south.set(c, e - o);
-        north.set(c, e + o);
-      }
+    for (int half = 0; half < 2; ++half) {
+      const int j = static_cast<int>(b + half) * 8;
+      store_rows(even + half * n, odd + half * n, j, blocks[b + half].rows, m, spectrum);
     }
   }
 }
 
 }  // namespace
 
-RowSpectrum::RowSpectrum(int rows_, int orders_)
-    : rows(rows_), orders(orders_), values(std::size_t(rows_) * orders_) {}
+RowSpectrum::RowSpectrum(int rows, int orders)
+    : rows_(rows),
+      orders_(orders),
+      values_(std::make_unique_for_overwrite<Lanes[]>(std::size_t(rows) * orders)) {}
 
 HarmonicCoefficients::HarmonicCoefficients(int bands_)
     : bands(bands_), values(std::size_t(bands_) * (bands_ + 1) / 2) {}
@@ -105,35 +120,33 @@ RowSpectrum spectrum_of_equirect(const Image& equirect, WorkerPool& pool) {
   RowSpectrum spectrum(rows, width / 2 + 1);
   const RowFft fft(width);
   const float* texels = equirect.samples<float>().data();
-  pool.parallel_for(pair_groups(rows), kGroupCost_us, [&, width = width, rows = rows](std::size_t group) {
+  pool.parallel_for(RowPairs<Lanes>::groups(rows), kGroupCost_us, [&, width = width, rows = rows](std::size_t group) {
     RowFft::Scratch scratch;
-    const int first = static_cast<int>(group) * RowFft::kPairs;
-    fft.spectra_of_texels(
-        row_pairs<const float>(first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }),
-        row_pairs<Lanes>(first, rows, [&](int j) { return spectrum.row(j); }), scratch);
+    const int first = static_cast<int>(group) * RowPairs<Lanes>::kCount;
+    fft.spectra_of_texels({first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }},
+                          {first, rows, [&](int j) { return spectrum.row(j); }}, scratch);
   });
   return spectrum;
 }
 
 Image equirect_of_spectrum(const RowSpectrum& spectrum, int width, WorkerPool& pool) {
-  const int rows = spectrum.rows;
+  const int rows = spectrum.rows();
   Image equirect = make_image({width, rows}, 3, SampleType::kFloat32, ColorSpace::kLinear);
   const RowFft fft(width);
   float* texels = equirect.samples<float>().data();
-  pool.parallel_for(pair_groups(rows), kGroupCost_us, [&](std::size_t group) {
+  pool.parallel_for(RowPairs<Lanes>::groups(rows), kGroupCost_us, [&](std::size_t group) {
     RowFft::Scratch scratch;
-    const int first = static_cast<int>(group) * RowFft::kPairs;
-    fft.texels_of_spectra(
-        row_pairs<const Lanes>(first, rows, [&](int j) { return spectrum.row(j); }), spectrum.orders,
-        row_pairs<float>(first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }), scratch);
+    const int first = static_cast<int>(group) * RowPairs<Lanes>::kCount;
+    fft.texels_of_spectra({first, rows, [&](int j) { return spectrum.row(j); }}, spectrum.orders(),
+                          {first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }}, scratch);
   });
   return equirect;
 }
 
 HarmonicCoefficients analyse(const RowSpectrum& spectrum, const LegendreTable& table, WorkerPool& pool) {
   HarmonicCoefficients coefficients(table.bands());
-  const std::vector<RowBlock> blocks = northern_blocks(spectrum.rows);
-  const int orders = std::min(table.bands(), spectrum.orders);
+  const std::vector<RowBlock> blocks = northern_blocks(spectrum.rows());
+  const int orders = std::min(table.bands(), spectrum.orders());
   const int tasks = (orders + kOrdersAtOnce - 1) / kOrdersAtOnce;
   pool.parallel_for(tasks, kOrderCost_us * kOrdersAtOnce, [&](std::size_t task) {
     const int first = static_cast<int>(task) * kOrdersAtOnce;

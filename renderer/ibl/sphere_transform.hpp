@@ -1,6 +1,7 @@
 // Equirect maps <-> Fourier rows <-> spherical-harmonic coefficients, in double precision.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "renderer/base/worker_pool.hpp"
@@ -11,17 +12,21 @@
 namespace furnace {
 
 // The Fourier coefficients c_m of every row theta_j = pi (j + 0.5) / rows, as RowFft defines them: a colour in lanes.
-// Threads: a value. Owns: its coefficients.
-struct RowSpectrum {
+// Threads: a value, moved only. Owns: its coefficients.
+class RowSpectrum {
+ public:
   RowSpectrum() = default;
-  RowSpectrum(int rows, int orders);
+  RowSpectrum(int rows, int orders);  // coefficients not set
 
-  Lanes* row(int j) { return values.data() + std::size_t(j) * orders; }
-  const Lanes* row(int j) const { return values.data() + std::size_t(j) * orders; }
+  int rows() const { return rows_; }
+  int orders() const { return orders_; }  // m in [0, orders)
+  Lanes* row(int j) { return values_.get() + std::size_t(j) * orders_; }
+  const Lanes* row(int j) const { return values_.get() + std::size_t(j) * orders_; }
 
-  int rows = 0;
-  int orders = 0;  // m in [0, orders)
-  std::vector<Lanes> values;
+ private:
+  int rows_ = 0;
+  int orders_ = 0;
+  std::unique_ptr<Lanes[]> values_;
 };
 
 // a_lm for degrees l < bands: f = sum of a_lm p_lm(cos theta) e^(i m phi), with 2 pi * integral of p_lm^2 over [-1, 1] = 1.
@@ -39,21 +44,6 @@ struct HarmonicCoefficients {
  private:
   std::size_t offset(int m) const { return std::size_t(m) * bands - std::size_t(m) * (m - 1) / 2; }
 };
-
-// Eight row pairs, from pair `first` on, of a map of `rows` rows; row(j) gives a row's first element.
-template <class T, class RowOf>
-RowFft::Rows<T> row_pairs(int first, int rows, RowOf&& row) {
-  RowFft::Rows<T> pairs;
-  for (int r = 0; r < RowFft::kPairs; ++r) {
-    const int j = first + r, mirror = rows - 1 - j;
-    if (j <= mirror) pairs.north[r] = row(j);
-    if (j < mirror) pairs.south[r] = row(mirror);
-  }
-  return pairs;
-}
-inline int pair_groups(int rows) {
-  return ((rows + 1) / 2 + RowFft::kPairs - 1) / RowFft::kPairs;
-}
 
 // Exact for a map that is constant over the width of each texel: orders 0 .. width / 2.
 RowSpectrum spectrum_of_equirect(const Image& equirect, WorkerPool& pool);

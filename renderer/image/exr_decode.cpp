@@ -104,7 +104,8 @@ void read_pixels(std::span<const std::byte> file, const ExrPart& part, const Sel
                      end_x = std::min(data.max_x, display.max_x) + 1;
   const std::int32_t begin_y = std::max(data.min_y, display.min_y),
                      end_y = std::min(data.max_y, display.max_y) + 1;
-  if (begin_x >= end_x || begin_y >= end_y) fail_damaged(kFormat, "its data lie outside of its display window");
+  if (begin_x >= end_x || begin_y >= end_y)
+    fail_damaged(kFormat, "its data lie outside of its display window");
   for (std::int32_t y = begin_y; y < end_y; ++y) {
     pixels.readPixels(y);
     if (selection.is_luminance) {

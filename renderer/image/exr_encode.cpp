@@ -50,7 +50,9 @@ std::string encode_exr(const Image& image, const std::vector<TextField>& metadat
                     pixel = sample * static_cast<std::size_t>(image.channels);
   try {
     Imf::Header header(image.extent.width, image.extent.height);
-    header.compression() = Imf::ZIP_COMPRESSION;
+    // Both lossless. PIZ writes halves twice as fast as ZIP and smaller; on noisy floats it is twice as slow.
+    header.compression() = is_half ? Imf::PIZ_COMPRESSION : Imf::ZIP_COMPRESSION;
+    header.zipCompressionLevel() = 1;
     Imf::FrameBuffer frame;
     for (int channel = 0; channel < image.channels; ++channel) {
       const char* const name = kNames[image.channels - 1][channel];

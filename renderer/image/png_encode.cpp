@@ -1,15 +1,15 @@
-// PNG over libdeflate: its level 1 takes a third of the time of zlib's, for smaller files.
 #include <algorithm>
 #include <array>
-#include <cstring>
-#include <memory>
+#include <limits>
+#include <span>
 
 #include <fmt/format.h>
 #include <libdeflate.h>
 
 #include "renderer/image/encode.hpp"
+#include "renderer/image/png_filter.hpp"
+#include "renderer/image/run_deflate.hpp"
 #include "renderer/base/check.hpp"
-#include "renderer/base/error.hpp"
 
 namespace furnace {
 
@@ -43,37 +43,39 @@ void append_text(std::string& out, const TextField& field) {
   });
 }
 
-// The rows as deflate sees them: differences to the row above (to the left neighbour in the first row). On
-// renders this is within 2 % of the size that choosing among all filters gives, and costs a tenth of it.
-std::vector<std::uint8_t> filter_rows(const Image& image) {
-  constexpr std::uint8_t kSub = 1, kUp = 2;
-  const std::size_t size = image.row_bytes();
-  const auto step = static_cast<std::size_t>(image.channels);
-  std::vector<std::uint8_t> rows((size + 1) * static_cast<std::size_t>(image.extent.height));
-  const std::uint8_t* in = image.samples<std::uint8_t>().data();
-  std::uint8_t* out = rows.data();
-  *out++ = kSub;
-  for (std::size_t i = 0; i < size; ++i)
-    *out++ = static_cast<std::uint8_t>(in[i] - (i < step ? 0 : in[i - step]));
-  for (int y = 1; y < image.extent.height; ++y) {
-    *out++ = kUp;
-    in += size;
-    for (std::size_t i = 0; i < size; ++i) out[i] = static_cast<std::uint8_t>(in[i] - in[i - size]);
-    out += size;
-  }
-  return rows;
+// Minimum sum of absolute differences, the heuristic of the PNG specification (second edition, 12.8). Bytes are signed here.
+std::uint64_t cost_of(std::span<const std::uint8_t> filtered) {
+  std::uint64_t sum = 0;
+  for (std::uint8_t byte : filtered) sum += std::min<std::uint8_t>(byte, static_cast<std::uint8_t>(-byte));
+  return sum;
 }
 
-void append_deflated(std::string& out, const std::vector<std::uint8_t>& rows) {
-  constexpr int kLevel = 1;
-  const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
-      libdeflate_alloc_compressor(kLevel), libdeflate_free_compressor);
-  const std::size_t start = out.size();
-  out.resize(start + libdeflate_zlib_compress_bound(compressor.get(), rows.size()));
-  const std::size_t size = libdeflate_zlib_compress(compressor.get(), rows.data(), rows.size(),
-                                                    out.data() + start, out.size() - start);
-  if (size == 0) fail(ErrorCode::kInternal, "the picture could not be compressed");
-  out.resize(start + size);
+// The rows as they are compressed. Neighbours are alike: one row in four chooses the filter for itself and the next three.
+std::vector<std::uint8_t> filter_rows(const Image& image) {
+  constexpr int kGroup = 4;
+  const std::size_t size = image.row_bytes();
+  const auto step = static_cast<std::size_t>(image.channels);
+  std::vector<std::uint8_t> filtered((size + 1) * static_cast<std::size_t>(image.extent.height));
+  std::vector<std::uint8_t> trial(size);
+  const std::vector<std::uint8_t> nothing(size);
+  const std::uint8_t* above = nothing.data();
+  const std::uint8_t* row = image.samples<std::uint8_t>().data();
+  std::uint8_t* out = filtered.data();
+  PngFilter chosen = PngFilter::kSub;
+  for (int y = 0; y < image.extent.height; ++y, above = row, row += size, out += size + 1) {
+    if (y % kGroup == 1) {
+      std::uint64_t lowest = std::numeric_limits<std::uint64_t>::max();
+      for (PngFilter filter : {PngFilter::kUp, PngFilter::kAverage, PngFilter::kPaeth}) {
+        png_filter(filter, row, above, size, step, trial.data());
+        const std::uint64_t cost = cost_of(trial);
+        if (cost < lowest) chosen = filter;
+        lowest = std::min(lowest, cost);
+      }
+    }
+    *out = static_cast<std::uint8_t>(chosen);
+    png_filter(chosen, row, above, size, step, out + 1);
+  }
+  return filtered;
 }
 
 }  // namespace
@@ -94,7 +96,7 @@ std::string encode_png(const Image& image, const std::vector<TextField>& metadat
     append_chunk(png, "sRGB", [&] { png += '\0'; });  // perceptual intent
   }
   for (const TextField& field : metadata) append_text(png, field);
-  append_chunk(png, "IDAT", [&] { append_deflated(png, filter_rows(image)); });
+  append_chunk(png, "IDAT", [&] { append_run_deflated(filter_rows(image), png); });
   append_chunk(png, "IEND", [] {});
   return png;
 }

@@ -1,17 +1,19 @@
 #include "renderer/image/png_filter.hpp"
 
+#include <algorithm>
 #include <array>
-#include <cstdlib>
 
 namespace furnace {
 
 namespace {
 
-int paeth(int left, int above, int above_left) {
-  const int to_left = std::abs(above - above_left);
-  const int to_above = std::abs(left - above_left);
-  const int to_corner = std::abs(left + above - 2 * above_left);
-  const int nearer = to_above <= to_corner ? above : above_left;
+template <class Sample>
+Sample paeth(Sample left, Sample above, Sample above_left) {
+  const auto distance = [](int a, int b) { return static_cast<Sample>(a < b ? b - a : a - b); };
+  const Sample to_left = distance(above, above_left);
+  const Sample to_above = distance(left, above_left);
+  const Sample to_corner = distance(left + above, 2 * above_left);
+  const Sample nearer = to_above <= to_corner ? above : above_left;
   return to_left <= to_above && to_left <= to_corner ? left : nearer;
 }
 
@@ -42,7 +44,39 @@ void unfilter(PngFilter filter, std::uint8_t* row, const std::uint8_t* above, st
   }
 }
 
+// Unlike its inverse nothing here waits for the pixel before: the compiler makes vectors of it.
+template <class Predict>
+void filter_row(const std::uint8_t* __restrict row, const std::uint8_t* __restrict above, std::size_t size,
+                std::size_t step, std::uint8_t* __restrict out, Predict&& predict) {
+  for (std::size_t i = 0; i < std::min(step, size); ++i) {
+    out[i] =
+        static_cast<std::uint8_t>(row[i] - predict(std::int16_t{0}, std::int16_t{above[i]}, std::int16_t{0}));
+  }
+  for (std::size_t i = step; i < size; ++i) {
+    out[i] = static_cast<std::uint8_t>(
+        row[i] - predict(std::int16_t{row[i - step]}, std::int16_t{above[i]}, std::int16_t{above[i - step]}));
+  }
+}
+
 }  // namespace
+
+void png_filter(PngFilter filter, const std::uint8_t* row, const std::uint8_t* above, std::size_t size,
+                std::size_t step, std::uint8_t* out) {
+  using Sample = std::int16_t;  // twice as many fit into a vector as of int
+  const auto apply = [&](auto&& predict) { filter_row(row, above, size, step, out, predict); };
+  switch (filter) {
+    case PngFilter::kNone:
+      return apply([](Sample, Sample, Sample) { return Sample{0}; });
+    case PngFilter::kSub:
+      return apply([](Sample a, Sample, Sample) { return a; });
+    case PngFilter::kUp:
+      return apply([](Sample, Sample b, Sample) { return b; });
+    case PngFilter::kAverage:
+      return apply([](Sample a, Sample b, Sample) { return static_cast<Sample>((a + b) / 2); });
+    case PngFilter::kPaeth:
+      return apply([](Sample a, Sample b, Sample c) { return paeth(a, b, c); });
+  }
+}
 
 void png_unfilter(PngFilter filter, std::uint8_t* row, const std::uint8_t* above, std::size_t size,
                   std::size_t step) {

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kBlockBytes = 96 << 10;  // one set of codes for about thirty rows of a typical render
 constexpr std::size_t kEndOfBlock = 256;
 constexpr std::size_t kLiteralCodes = 286;
-constexpr int kLongestCode = 12;  // four of them and a rest of seven bits fit into 64
+constexpr int kLongestCode = 12;         // four of them and a rest of seven bits fit into 64
 constexpr std::size_t kShortestRun = 8;  // zeros are cheap as literals: shorter runs make the file larger
 constexpr std::size_t kLongestMatch = 258;
 
@@ -247,8 +247,8 @@ std::uint64_t load_64(const std::uint8_t* bytes) {
 }
 
 // The runs of [begin, end) and how often each symbol is needed.
-std::array<std::uint32_t, kLiteralCodes> find_runs(const std::uint8_t* bytes, std::size_t begin, std::size_t end,
-                                                   std::vector<Run>& runs) {
+std::array<std::uint32_t, kLiteralCodes> find_runs(const std::uint8_t* bytes, std::size_t begin,
+                                                   std::size_t end, std::vector<Run>& runs) {
   // Four tables, for equal neighbours must not wait for each other's count.
   std::array<std::array<std::uint32_t, 256>, 4> literals{};
   std::array<std::uint32_t, kLiteralCodes> counts{};
@@ -320,7 +320,8 @@ void append_run_deflated(std::span<const std::uint8_t> bytes, std::string& out) 
     writer.put(codes.bits[kEndOfBlock], codes.length[kEndOfBlock]);
     writer.flush();
     if (end == bytes.size()) writer.align();
-    out.append(reinterpret_cast<const char*>(block.data()), static_cast<std::size_t>(writer.at() - block.data()));
+    out.append(reinterpret_cast<const char*>(block.data()),
+               static_cast<std::size_t>(writer.at() - block.data()));
     writer.move_to(block.data());
     begin = end;
   } while (begin < bytes.size());

@@ -8,8 +8,6 @@
 namespace furnace {
 namespace {
 
-constexpr int kDfgSize = 128;
-
 gl::Texture make_neutral(gl::Context& context) {
   Image white = make_image({1, 1}, 4, SampleType::kUint8, ColorSpace::kNonColor);
   std::fill(white.pixels.begin(), white.pixels.end(), std::byte{255});
@@ -17,10 +15,9 @@ gl::Texture make_neutral(gl::Context& context) {
 }
 
 gl::Texture make_dfg(gl::Context& context) {
-  const DfgTable table = compute_dfg_table(kDfgSize);
-  Image image = make_image({table.size, table.size}, 4, SampleType::kFloat32, ColorSpace::kNonColor);
+  Image image = make_image({kDfgTableSize, kDfgTableSize}, 4, SampleType::kFloat32, ColorSpace::kNonColor);
   static_assert(sizeof(DfgTexel) == 4 * sizeof(float));
-  std::memcpy(image.pixels.data(), table.texels.data(), image.pixels.size());
+  std::memcpy(image.pixels.data(), dfg_table().data(), image.pixels.size());
   return gl::upload_texture(context, image, false);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "renderer/scene/gltf_container.hpp"
 #include "renderer/scene/gltf_read.hpp"
 
 namespace furnace {
@@ -10,6 +11,11 @@ namespace {
 
 // Zeros cost nothing in the file: without a bound a few hundred bytes could ask for gigabytes.
 constexpr std::uint64_t kMaxImpliedElements = 1 << 22;
+
+template <class T>
+bool contains(const std::vector<T>& list, std::string_view name) {
+  return std::find(list.begin(), list.end(), name) != list.end();
+}
 
 // "2.0" -> {2, 0}
 struct Version {
@@ -39,9 +45,9 @@ void check_required_extensions(const JsonObject& root) {
   const std::vector<std::string_view> supported = supported_gltf_extensions();
   const std::vector<std::string> required = root.strings("extensionsRequired");
   for (std::size_t i = 0; i < required.size(); ++i) {
-    if (std::find(supported.begin(), supported.end(), required[i]) != supported.end()) continue;
+    if (contains(supported, required[i])) continue;
     fail(ErrorCode::kUnprocessable,
-         "the model requires the extension " + required[i] + ", which is not supported",
+         "the model requires the extension " + shortened(required[i]) + ", which is not supported",
          root.pointer_to("extensionsRequired") + "/" + std::to_string(i));
   }
 }
@@ -130,10 +136,6 @@ std::uint64_t span_bytes(std::uint64_t count, std::uint64_t stride, ElementType 
   return stride * (count - 1) + element_bytes(type, component) - padding;
 }
 
-bool GltfDocument::uses_extension(std::string_view name) const {
-  return std::find(extensions_used.begin(), extensions_used.end(), name) != extensions_used.end();
-}
-
 GltfDocument read_gltf_document(const Blob& bytes, const ImportLimits& limits) {
   const GltfContainer container = open_gltf_container(bytes);
   if (container.json.size > static_cast<std::size_t>(limits.max_json_bytes)) {
@@ -152,6 +154,7 @@ GltfDocument read_gltf_document(const Blob& bytes, const ImportLimits& limits) {
   GltfDocument document;
   document.binary = container.binary;
   document.extensions_used = root.strings("extensionsUsed");
+  document.quantized = contains(document.extensions_used, "KHR_mesh_quantization");
   document.buffers = read_all<GltfBuffer>(root, "buffers", read_buffer);
   document.buffer_views = read_all<GltfBufferView>(root, "bufferViews", [&](const JsonObject& object) {
     return read_buffer_view(object, document.buffers);

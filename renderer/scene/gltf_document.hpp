@@ -34,10 +34,10 @@ enum class ElementType : std::uint8_t { kScalar, kVec2, kVec3, kVec4, kMat2, kMa
 
 std::size_t component_bytes(ComponentType type);
 int component_count(ElementType type);
-std::size_t element_bytes(ElementType type,
-                          ComponentType component);
+std::size_t element_bytes(ElementType type, ComponentType component);
 // Bytes from the first element to the end of the last: `count` elements `stride` bytes apart.
-std::uint64_t span_bytes(std::uint64_t count, std::uint64_t stride, ElementType type, ComponentType component);  // with the column padding of small matrices
+std::uint64_t span_bytes(std::uint64_t count, std::uint64_t stride, ElementType type,
+                         ComponentType component);  // with the column padding of small matrices
 
 struct GltfBuffer {
   std::string uri;  // as written; empty: the BIN chunk, or nothing
@@ -133,6 +133,7 @@ struct GltfScene {
 
 struct GltfDocument {
   std::vector<std::string> extensions_used;
+  bool quantized = false;  // KHR_mesh_quantization is among them
   std::vector<GltfBuffer> buffers;
   std::vector<GltfBufferView> buffer_views;
   std::vector<GltfAccessor> accessors;
@@ -146,8 +147,6 @@ struct GltfDocument {
   std::vector<GltfScene> scenes;
   std::optional<int> default_scene;
   std::optional<ByteRange> binary;  // the GLB's BIN chunk, in the document's bytes
-
-  bool uses_extension(std::string_view name) const;
 };
 
 // Errors: kUnprocessable with a pointer, kTooLarge for a limit.

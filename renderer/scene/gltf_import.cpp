@@ -56,7 +56,8 @@ GltfDocument read_checked(const Blob& bytes, const ImportLimits& limits) {
   return document;
 }
 
-// Turns one scene of a document into a Scene. Threads: one. Owns: the scene in the making.
+// Turns one scene of a document into a Scene.
+// Threads: one. Owns: the scene in the making.
 class Importer {
  public:
   Importer(const ModelBundle& bundle, const ImportLimits& limits, const Deadline& deadline)
@@ -74,6 +75,7 @@ class Importer {
   void note_ignored_extensions();
   void add_cameras(const std::vector<int>& nodes);
   void add_mesh(int node_index);
+  const std::vector<glm::dmat4>& world_from_bind(int skin);
   std::optional<Instance> shared_primitive(const GltfPrimitiveRef& ref);
   std::optional<Instance> import_primitive(const GltfPrimitiveRef& ref, const std::vector<double>& weights,
                                            const std::vector<glm::dmat4>* joints);
@@ -89,6 +91,7 @@ class Importer {
   GltfData data_;
   GltfMaterials materials_;
   std::vector<glm::dmat4> world_from_node_;
+  std::map<int, std::vector<glm::dmat4>> skins_;                // joint matrices, by skin
   std::map<GltfPrimitiveRef, std::optional<Instance>> shared_;  // meshes as they are for every plain node
   std::int64_t vertices_ = 0, mesh_bytes_ = 0, elements_drawn_ = 0;
 };
@@ -112,7 +115,7 @@ void Importer::note_ignored_extensions() {
     const std::string& name = document_.extensions_used[i];
     if (is_supported(name)) continue;
     notes_.add("extension-ignored", "/extensionsUsed/" + std::to_string(i),
-               name + " is not supported and was ignored");
+               shortened(name) + " is not supported and was ignored");
   }
 }
 
@@ -167,8 +170,7 @@ void Importer::add_mesh(int node_index) {
   const GltfNode& node = document_.nodes[static_cast<std::size_t>(node_index)];
   const GltfMesh& mesh = document_.meshes[static_cast<std::size_t>(*node.mesh)];
   const glm::dmat4& world_from_model = world_from_node_[static_cast<std::size_t>(node_index)];
-  std::vector<glm::dmat4> joints;
-  if (node.skin) joints = skin_transforms(document_, data_, *node.skin, world_from_node_);
+  const std::vector<glm::dmat4>* joints = node.skin ? &world_from_bind(*node.skin) : nullptr;
 
   for (int i = 0; i < static_cast<int>(mesh.primitives.size()); ++i) {
     const GltfPrimitiveRef ref{*node.mesh, i};
@@ -180,10 +182,16 @@ void Importer::add_mesh(int node_index) {
     const bool own = skinned || !node.weights.empty();
     const std::vector<double>& weights = node.weights.empty() ? mesh.weights : node.weights;
     std::optional<Instance> instance =
-        own ? import_primitive(ref, weights, skinned ? &joints : nullptr) : shared_primitive(ref);
+        own ? import_primitive(ref, weights, skinned ? joints : nullptr) : shared_primitive(ref);
     // glTF 2.0, section 3.7.3.3: only the joints place a skinned mesh.
     if (instance) add_instance(std::move(*instance), node_index, skinned ? glm::dmat4(1) : world_from_model);
   }
+}
+
+const std::vector<glm::dmat4>& Importer::world_from_bind(int skin) {
+  const auto known = skins_.find(skin);
+  if (known != skins_.end()) return known->second;
+  return skins_.emplace(skin, skin_transforms(document_, data_, skin, world_from_node_)).first->second;
 }
 
 std::optional<Instance> Importer::shared_primitive(const GltfPrimitiveRef& ref) {

@@ -38,16 +38,15 @@ struct ImportOptions {
 };
 
 // The external URIs (not data: ones) of buffers and images, percent-decoded, each once, in document order.
-// Errors: kUnprocessable for what is not glTF 2.0; URIs with a scheme, absolute paths or ".." are refused by
-// pointer.
+// Errors: kUnprocessable for what is not glTF 2.0, and by pointer for URIs with a scheme, absolute paths, "..".
 std::vector<std::string> gltf_external_uris(const Blob& document, const ImportLimits& limits);
 
-// Imports one scene of the document in its rest pose: node transforms, skins (all joints and both sets) and
-// morph targets at their default weights are applied on the CPU in double precision; skinned meshes come out
-// in world space. Errors: kUnprocessable with a pointer; kTooLarge for a limit; an extension in
-// extensionsRequired that supported_gltf_extensions() does not list is refused, one in extensionsUsed only
-// becomes a Note. A missing or unreadable image becomes a Note and the slot stays empty; a missing buffer is
-// an error.
+// Imports one scene of the document in its rest pose: node transforms, skins (every set of joints) and morph
+// targets at their default weights are applied on the CPU in double precision; skinned meshes come out in
+// world space.
+// Errors: kUnprocessable with a pointer; kTooLarge for a limit; an extension in extensionsRequired that
+// supported_gltf_extensions() does not list is refused, one in extensionsUsed only becomes a Note.
+// A missing or unreadable image becomes a Note and the slot stays empty; a missing buffer is an error.
 Scene import_gltf(const ModelBundle& bundle, const ImportOptions& options, const ImportLimits& limits,
                   const Deadline& deadline);
 

@@ -1,5 +1,7 @@
 #include "renderer/scene/gltf_json.hpp"
 
+#include "renderer/scene/gltf_container.hpp"
+
 #include <cmath>
 #include <utility>
 
@@ -72,7 +74,7 @@ int reference_of(const Json& value, const std::string& pointer, std::string_view
 
 std::string escaped(std::string_view key) {
   std::string result;
-  for (const char c : key) {
+  for (const char c : shortened(key)) {
     if (c == '~') {
       result += "~0";
     } else if (c == '/') {

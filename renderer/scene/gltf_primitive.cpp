@@ -77,20 +77,21 @@ constexpr std::array<AttributeRule, 5> kTargetRules{{
 
 bool matches(const AttributeRule& rule, std::string_view semantic) {
   if (rule.semantic.back() != '_') return semantic == rule.semantic;
-  return semantic.size() > rule.semantic.size() && semantic.substr(0, rule.semantic.size()) == rule.semantic;
+  constexpr std::size_t kMaxDigits = 4;
+  return semantic.starts_with(rule.semantic) && semantic.size() > rule.semantic.size() &&
+         semantic.size() <= rule.semantic.size() + kMaxDigits;
 }
 
 template <std::size_t N>
 void check_attributes(const GltfDocument& document, const GltfAttributes& attributes,
                       const std::array<AttributeRule, N>& rules, std::uint64_t count,
                       const std::string& pointer) {
-  const bool quantized = document.uses_extension("KHR_mesh_quantization");
   for (const auto& [semantic, index] : attributes) {
     const auto rule = std::find_if(rules.begin(), rules.end(),
                                    [&name = semantic](const AttributeRule& r) { return matches(r, name); });
     if (rule == rules.end()) continue;  // application-specific: never read
     const GltfAccessor& accessor = document.accessors[static_cast<std::size_t>(index)];
-    const unsigned formats = rule->formats | (quantized ? rule->quantized_formats : 0);
+    const unsigned formats = rule->formats | (document.quantized ? rule->quantized_formats : 0);
     if (!(bit(accessor.type) & rule->types) || !(format_of(accessor) & formats)) {
       fail(ErrorCode::kUnprocessable,
            "accessor " + std::to_string(index) + " has a type, component type or normalisation that " +

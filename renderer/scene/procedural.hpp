@@ -12,7 +12,7 @@
 namespace furnace {
 
 // "sphere", "cube", "plane", "cylinder", "torus" (1 m wide, centred at the origin; the plane lies in y = 0
-// and faces +Y) and "shader-ball" (0.92 m wide, stands on y = 0). Normals, tangents and UVs (v downwards)
+// and faces +Y) and "shader-ball" (0.9 m wide, stands on y = 0). Normals, tangents and UVs (v downwards)
 // included; closed surfaces wind outwards. Mesh 0 takes the material that a request gives; the others
 // ("core", "base" of the shader-ball) keep theirs, builtin_part_material(mesh.name).
 std::optional<std::vector<Mesh>> builtin_mesh(std::string_view name);

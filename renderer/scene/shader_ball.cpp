@@ -16,9 +16,9 @@ constexpr double kOrbRadius = 0.45;
 constexpr double kGrooveAngle = radians_from_degrees(64);  // of the groove's middle from the orb's pole
 constexpr double kGrooveHalfWidth = 0.030, kGrooveDepth = 0.030;
 constexpr double kEdgeRadius = 0.009;
-constexpr double kBandRecess = 0.004,
-                 kBandGap = 0.006;  // below the orb's surface; to each wall of the groove
-constexpr double kCupGap = 0.008;   // between the orb and its pedestal
+constexpr double kBandRecess = 0.004;  // below the orb's surface
+constexpr double kBandGap = 0.006;     // to each wall of the groove
+constexpr double kCupGap = 0.008;      // between the orb and its pedestal
 
 // Half the angle that a strip takes of a round surface when its walls, parallel to the radius through its
 // middle, stand `half_width` from it and meet the surface in arcs of radius `edge` (negative: the strip lies
@@ -48,8 +48,8 @@ Profile band_profile() {
   constexpr double kHeight = 0.010, kQuarter = kPi / 2, kUnderside = kGrooveAngle - kPi;
   constexpr double kHalfWidth = kGrooveHalfWidth - kBandGap, kTop = kOrbRadius - kBandRecess;
   const double half = half_angle(kHalfWidth, kTop, kEdgeRadius);
-  const double corner_height =
-      (kTop - kEdgeRadius) * std::cos(half);  // of the top edges' centres above the orb's
+  // Of the top edges' centres above the orb's.
+  const double corner_height = (kTop - kEdgeRadius) * std::cos(half);
   const double underside = corner_height - kHeight - kEdgeRadius;
   Profile profile({underside * std::sin(kGrooveAngle), underside * std::cos(kGrooveAngle), kUnderside});
   profile.forward(kHalfWidth - kEdgeRadius)

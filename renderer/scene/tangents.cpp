@@ -99,10 +99,11 @@ class Welder {
   std::vector<std::uint32_t> slots_;
 };
 
-// Mikkelsen 2008, "Simulation of Wrinkled Surfaces Revisited", chapter 2, with the conventions of the
-// published MikkTSpace: frames belong to corners; corners with one welded vertex, joined by edges and of one
-// UV orientation, share a frame: the mean of their triangles' directions, projected to the tangent plane and
-// weighted by the corner's angle. Threads: one. Owns: its working arrays.
+// Mikkelsen 2008, "Simulation of Wrinkled Surfaces Revisited", with the conventions of the published
+// MikkTSpace: frames belong to corners; corners with one welded vertex, joined by edges and of one UV
+// orientation, share a frame: the mean of their triangles' directions, projected to the tangent plane and
+// weighted by the corner's angle.
+// Threads: one. Owns: its working arrays.
 class TangentSpace {
  public:
   TangentSpace(const Mesh& mesh, const std::vector<glm::vec2>& uvs) : mesh_(mesh), uvs_(uvs) {
@@ -162,7 +163,7 @@ void TangentSpace::weld() {
   }
 }
 
-// Equation 2.1: the derivative of position by u, up to a positive factor.
+// The derivative of position by u, up to a positive factor.
 void TangentSpace::find_directions() {
   for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
     Triangle& triangle = triangles_[t];

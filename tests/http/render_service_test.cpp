@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "fake_painter.hpp"
+#include "tests/http/fake_painter.hpp"
 #include "renderer/base/error.hpp"
 
 namespace furnace {

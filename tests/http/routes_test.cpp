@@ -3,11 +3,12 @@
 
 #include <memory>
 #include <string>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "fake_painter.hpp"
+#include "tests/http/fake_painter.hpp"
 #include "api/document.hpp"
 
 namespace furnace {
@@ -204,6 +205,30 @@ TEST_F(RoutesTest, Health) {
   readiness_.drain();
   expect_problem(get("/readyz"), 503);
   EXPECT_EQ(get("/livez").status, 200);
+}
+
+TEST_F(RoutesTest, NobodyWaitsForAnothersProbe) {
+  Readiness* asked_meanwhile = nullptr;
+  int meanwhile = 0;
+  Readiness readiness(
+      [&](const Deadline&) {
+        if (asked_meanwhile) {
+          // The mutex is this thread's: another one has to ask.
+          std::jthread([&] {
+            try {
+              asked_meanwhile->check();
+              meanwhile = 200;
+            } catch (const Error&) {
+              meanwhile = 503;
+            }
+          }).join();
+        }
+        return true;
+      },
+      std::chrono::seconds(1));
+  asked_meanwhile = &readiness;
+  readiness.check();
+  EXPECT_EQ(meanwhile, 503) << "before the first answer there is none to give";
 }
 
 TEST_F(RoutesTest, MetricsCountWhatHappened) {

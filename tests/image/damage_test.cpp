@@ -22,9 +22,15 @@ constexpr DecodeLimits kLimits = {.max_side_px = 2048, .max_area_px = 1 << 20};
 
 using Decode = std::function<void(const std::string&)>;
 
-void decode_as_texture(const std::string& file) { decode_texture(Blob(file), ColorSpace::kSrgb, kLimits); }
-void decode_as_rgbe(const std::string& file) { decode_rgbe(std::as_bytes(std::span(file)), kLimits, Shape::kAny); }
-void decode_as_exr(const std::string& file) { decode_exr(std::as_bytes(std::span(file)), kLimits, Shape::kAny); }
+void decode_as_texture(const std::string& file) {
+  decode_texture(Blob(file), ColorSpace::kSrgb, kLimits);
+}
+void decode_as_rgbe(const std::string& file) {
+  decode_rgbe(std::as_bytes(std::span(file)), kLimits, Shape::kAny);
+}
+void decode_as_exr(const std::string& file) {
+  decode_exr(std::as_bytes(std::span(file)), kLimits, Shape::kAny);
+}
 
 void expect_verdict(const Decode& decode, const std::string& file) {
   try {
@@ -48,9 +54,15 @@ void expect_no_crash(const Decode& decode, const std::string& file, int flips, s
       // A bit, a byte or a value that sizes and counts fear.
       static constexpr char kNasty[] = {'\0', '\1', '\x7f', '\x80', '\xff'};
       switch (sample::next(random, 3)) {
-        case 0: damaged[place] = static_cast<char>(damaged[place] ^ 1 << sample::next(random, 8)); break;
-        case 1: damaged[place] = static_cast<char>(random()); break;
-        default: damaged[place] = kNasty[sample::next(random, 5)]; break;
+        case 0:
+          damaged[place] = static_cast<char>(damaged[place] ^ 1 << sample::next(random, 8));
+          break;
+        case 1:
+          damaged[place] = static_cast<char>(random());
+          break;
+        default:
+          damaged[place] = kNasty[sample::next(random, 5)];
+          break;
       }
     }
     expect_verdict(decode, damaged);
@@ -81,14 +93,24 @@ std::string with_right_checksums(std::string png) {
 TEST(Damage, Png) {
   const auto decode = [](const std::string& file) { decode_as_texture(with_right_checksums(file)); };
   for (bool interlaced : {false, true}) {
-    expect_no_crash(decode, sample::png(7, 5, sample::noise(7 * 5 * 3, 1), {.interlaced = interlaced}), 1500, 1);
-    expect_no_crash(decode, sample::png(9, 5, sample::noise(3 * 5, 1), {.color_type = 0, .depth = 2, .interlaced = interlaced,
-                                                                         .transparency = std::string(2, '\0')}), 1500, 2);
-    expect_no_crash(decode, sample::png(7, 5, sample::noise(7 * 5, 1), {.color_type = 3, .interlaced = interlaced,
-                                                                         .palette = std::string(30, 'x'),
-                                                                         .transparency = "abc"}), 1500, 3);
+    expect_no_crash(decode, sample::png(7, 5, sample::noise(7 * 5 * 3, 1), {.interlaced = interlaced}), 1500,
+                    1);
+    expect_no_crash(
+        decode,
+        sample::png(
+            9, 5, sample::noise(3 * 5, 1),
+            {.color_type = 0, .depth = 2, .interlaced = interlaced, .transparency = std::string(2, '\0')}),
+        1500, 2);
+    expect_no_crash(decode,
+                    sample::png(7, 5, sample::noise(7 * 5, 1),
+                                {.color_type = 3,
+                                 .interlaced = interlaced,
+                                 .palette = std::string(30, 'x'),
+                                 .transparency = "abc"}),
+                    1500, 3);
   }
-  expect_no_crash(decode, sample::png(7, 5, sample::noise(7 * 5 * 8, 1), {.color_type = 6, .depth = 16}), 1500, 4);
+  expect_no_crash(decode, sample::png(7, 5, sample::noise(7 * 5 * 8, 1), {.color_type = 6, .depth = 16}),
+                  1500, 4);
 }
 
 TEST(Damage, Jpeg) {
@@ -107,7 +129,8 @@ TEST(Damage, Rgbe) {
   std::string planar = sample::rgbe_header(16, 3);
   for (int y = 0; y < 3; ++y) {
     planar += std::string({2, 2, 0, 16});
-    for (int component = 0; component < 4; ++component) planar += std::string({'\x8a', 100, 6, 1, 2, 3, 4, 5, 6});
+    for (int component = 0; component < 4; ++component)
+      planar += std::string({'\x8a', 100, 6, 1, 2, 3, 4, 5, 6});
   }
   expect_no_crash(decode_as_rgbe, planar, 4000, 8);
   std::string old = sample::rgbe_header(16, 2);
@@ -142,11 +165,13 @@ std::string small_exr(Imf::Compression compression, bool is_tiled) {
 }
 
 TEST(Damage, Exr) {
-  for (Imf::Compression compression : {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION,
-                                       Imf::PXR24_COMPRESSION, Imf::B44_COMPRESSION, Imf::DWAA_COMPRESSION}) {
+  for (Imf::Compression compression :
+       {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION,
+        Imf::PXR24_COMPRESSION, Imf::B44_COMPRESSION, Imf::DWAA_COMPRESSION}) {
     for (bool is_tiled : {false, true}) {
       SCOPED_TRACE(testing::Message() << "compression " << compression << (is_tiled ? ", tiled" : ""));
-      expect_no_crash(decode_as_exr, small_exr(compression, is_tiled), 400, 10 + static_cast<std::uint32_t>(compression));
+      expect_no_crash(decode_as_exr, small_exr(compression, is_tiled), 400,
+                      10 + static_cast<std::uint32_t>(compression));
     }
   }
 }

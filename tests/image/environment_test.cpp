@@ -21,7 +21,9 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 const DecodeLimits kLimits;
 
 TEST(Sniff, GoesByMagicNumbers) {
-  const auto sniff = [](const std::string& text) { return sniff_image_format(std::as_bytes(std::span(text))); };
+  const auto sniff = [](const std::string& text) {
+    return sniff_image_format(std::as_bytes(std::span(text)));
+  };
   EXPECT_EQ(sniff(sample::png(1, 1, {0, 0, 0}, {})), ImageFormat::kPng);
   EXPECT_EQ(sniff(sample::flat_jpeg(1, 1, {0}, sample::JpegKind::kGrey)), ImageFormat::kJpeg);
   EXPECT_EQ(sniff(sample::lossless_webp(1, 1, 3, {0, 0, 0})), ImageFormat::kWebp);
@@ -58,7 +60,7 @@ TEST(DecodeEnvironment, LeavesCleanFilesAlone) {
 TEST(DecodeEnvironment, MendsWhatIsNoRadiance) {
   Image image = constant(8, 2);
   at(image, 5, 4, 0) = kNan;
-  at(image, 4, 3, 0) = 10;    // neighbours of the NaN: 10, six times 2, and a negative one that counts as 0
+  at(image, 4, 3, 0) = 10;  // neighbours of the NaN: 10, six times 2, and a negative one that counts as 0
   at(image, 6, 5, 0) = -8;
   at(image, 10, 1, 0) = kInf;  // becomes the peak of its own channel
   at(image, 11, 1, 1) = kInf;
@@ -111,7 +113,8 @@ TEST(DecodeEnvironment, WantsTwoToOne) {
   EXPECT_THAT(error.message, HasSubstr("8 x 8"));
   EXPECT_THAT(error.message, HasSubstr("resample it to 16 x 8"));
   const std::string flat = sample::rgbe_header(3, 2) + std::string(24, '\x40');
-  EXPECT_EQ(sample::error_of([&] { decode_environment(Blob(flat), kLimits); }).code, ErrorCode::kUnprocessable);
+  EXPECT_EQ(sample::error_of([&] { decode_environment(Blob(flat), kLimits); }).code,
+            ErrorCode::kUnprocessable);
 }
 
 TEST(Decode, SaysWhichFormatsItTakes) {
@@ -123,14 +126,16 @@ TEST(Decode, SaysWhichFormatsItTakes) {
   const Error texture = sample::error_of([&] { decode_texture(hdr, ColorSpace::kSrgb, kLimits); });
   EXPECT_EQ(texture.code, ErrorCode::kUnsupportedMedia);
   EXPECT_THAT(texture.message, HasSubstr("this one is Radiance HDR"));
-  EXPECT_THAT(sample::error_of([&] { decode_texture(Blob(), ColorSpace::kSrgb, kLimits); }).message, HasSubstr("unknown"));
+  EXPECT_THAT(sample::error_of([&] { decode_texture(Blob(), ColorSpace::kSrgb, kLimits); }).message,
+              HasSubstr("unknown"));
 }
 
 const std::filesystem::path kData = std::filesystem::path(FURNACE_SOURCE_DIR) / ".." / "shared" / "data";
 
 // Peaks that OpenImageIO finds in these files, an independent reader; six digits of them are written down.
 TEST(DecodeEnvironment, ReadsRealFilesAsOthersDo) {
-  if (!std::filesystem::exists(kData / "environments")) GTEST_SKIP() << "the test data are not beside the source";
+  if (!std::filesystem::exists(kData / "environments"))
+    GTEST_SKIP() << "the test data are not beside the source";
   const struct {
     const char* name;
     Extent extent;
@@ -161,7 +166,8 @@ TEST(DecodeEnvironment, ReadsRealFilesAsOthersDo) {
 // One place, two files, two formats: what one decoder turns around or scales, the other does not. The EXR is DWA-compressed
 // and half as fine, hence 2 % of the mean.
 TEST(DecodeEnvironment, HdrAndExrAgree) {
-  if (!std::filesystem::exists(kData / "environments")) GTEST_SKIP() << "the test data are not beside the source";
+  if (!std::filesystem::exists(kData / "environments"))
+    GTEST_SKIP() << "the test data are not beside the source";
   const auto load = [&](const char* name) {
     return decode_environment(Blob(read_file(kData / "environments" / name, 100 << 20)), kLimits).equirect;
   };
@@ -196,7 +202,8 @@ TEST(DecodeExr, ReadsFilesFullOfNanAndInf) {
 
 // Files that crashed others: each gives an error or a picture. That this program ends well is the test.
 TEST(Decode, SurvivesTheCorpusOfOthers) {
-  if (!std::filesystem::exists(kData / "malformed")) GTEST_SKIP() << "the test data are not beside the source";
+  if (!std::filesystem::exists(kData / "malformed"))
+    GTEST_SKIP() << "the test data are not beside the source";
   int files = 0;
   for (const char* folder : {"exr", "hdr", "png", "jpeg", "webp"}) {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(kData / "malformed" / folder)) {

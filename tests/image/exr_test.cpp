@@ -27,19 +27,24 @@ using testing::HasSubstr;
 
 const DecodeLimits kLimits;
 
-Image decode(const std::string& file) { return decode_exr(std::as_bytes(std::span(file)), kLimits, Shape::kAny); }
+Image decode(const std::string& file) {
+  return decode_exr(std::as_bytes(std::span(file)), kLimits, Shape::kAny);
+}
 
 Error error_of(const std::string& file) {
   return sample::error_of([&] { decode(file); });
 }
 
 // Half-representable, so that every pixel type stores it exactly; whole numbers for UINT.
-float value_at(int x, int y, int channel) { return static_cast<float>((x * 3 + y * 5 + channel * 7) % 97); }
+float value_at(int x, int y, int channel) {
+  return static_cast<float>((x * 3 + y * 5 + channel * 7) % 97);
+}
 
 // The pixels of a data window, for OpenEXR to write; `names[i]` gets value_at(x, y, i).
 class Pixels {
  public:
-  Pixels(const Imath::Box2i& window, const std::vector<std::string>& names, Imf::PixelType type) : width_(width(window)) {
+  Pixels(const Imath::Box2i& window, const std::vector<std::string>& names, Imf::PixelType type)
+      : width_(width(window)) {
     const std::size_t area = width_ * static_cast<std::size_t>(window.max.y - window.min.y + 1);
     data_.resize(names.size());
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -61,7 +66,9 @@ class Pixels {
   Imf::FrameBuffer frame;
 
  private:
-  static std::size_t width(const Imath::Box2i& window) { return static_cast<std::size_t>(window.max.x - window.min.x + 1); }
+  static std::size_t width(const Imath::Box2i& window) {
+    return static_cast<std::size_t>(window.max.x - window.min.x + 1);
+  }
   std::size_t index(const Imath::Box2i& window, int x, int y) const {
     return static_cast<std::size_t>(y - window.min.y) * width_ + static_cast<std::size_t>(x - window.min.x);
   }
@@ -115,7 +122,8 @@ std::string tiled_file(const ExrOptions& options, Imf::LevelMode mode, Imf::Leve
 }
 
 // `channel_of[i]` is the written channel that comes out as R, G or B.
-void expect_values(const Image& image, const ExrOptions& options, const std::array<int, 3>& channel_of = {0, 1, 2}) {
+void expect_values(const Image& image, const ExrOptions& options,
+                   const std::array<int, 3>& channel_of = {0, 1, 2}) {
   const int width = options.display.max.x - options.display.min.x + 1;
   const int height = options.display.max.y - options.display.min.y + 1;
   ASSERT_EQ(image.extent, (Extent{width, height}));
@@ -127,7 +135,8 @@ void expect_values(const Image& image, const ExrOptions& options, const std::arr
     for (int x = options.display.min.x; x <= options.display.max.x; ++x) {
       for (int channel = 0; channel < 3; ++channel, ++i) {
         const bool is_there = options.data.intersects(Imath::V2i(x, y));
-        const float expected = is_there ? value_at(x, y, channel_of[static_cast<std::size_t>(channel)]) : 0.0f;
+        const float expected =
+            is_there ? value_at(x, y, channel_of[static_cast<std::size_t>(channel)]) : 0.0f;
         ASSERT_EQ(image.samples<float>()[i], expected) << x << ", " << y << ", " << channel;
       }
     }
@@ -157,7 +166,8 @@ TEST(ExrDecode, ReadsLossyCompressions) {
     std::size_t i = 0;
     for (int y = 0; y < 20; ++y) {
       for (int x = 0; x < 40; ++x) {
-        for (int channel = 0; channel < 3; ++channel) sum += std::abs(image.samples<float>()[i++] - value_at(x, y, channel));
+        for (int channel = 0; channel < 3; ++channel)
+          sum += std::abs(image.samples<float>()[i++] - value_at(x, y, channel));
       }
     }
     EXPECT_LT(sum / static_cast<double>(i), 5) << compression;
@@ -175,10 +185,10 @@ TEST(ExrDecode, ReadsTheFirstLevelOfMipMaps) {
 TEST(ExrDecode, PlacesTheDataWindowInTheDisplayWindow) {
   const Imath::Box2i display{{10, -5}, {49, 14}};
   const std::vector<Imath::Box2i> windows = {
-      {{20, 0}, {29, 9}},       // inside
-      {{0, -20}, {99, 40}},     // all around
-      {{-30, -30}, {12, 2}},    // over the upper left corner
-      {{49, 14}, {80, 30}},     // one pixel in common
+      {{20, 0}, {29, 9}},     // inside
+      {{0, -20}, {99, 40}},   // all around
+      {{-30, -30}, {12, 2}},  // over the upper left corner
+      {{49, 14}, {80, 30}},   // one pixel in common
   };
   for (const Imath::Box2i& data : windows) {
     SCOPED_TRACE(testing::Message() << data.min.x << ", " << data.min.y);
@@ -189,7 +199,8 @@ TEST(ExrDecode, PlacesTheDataWindowInTheDisplayWindow) {
     const ExrOptions options{.display = display, .data = data};
     expect_values(decode(tiled_file(options, Imf::ONE_LEVEL, Imf::ROUND_DOWN)), options);
   }
-  EXPECT_THAT(error_of(scanline_file({.display = display, .data = {{60, 0}, {69, 9}}})).message, HasSubstr("outside"));
+  EXPECT_THAT(error_of(scanline_file({.display = display, .data = {{60, 0}, {69, 9}}})).message,
+              HasSubstr("outside"));
 }
 
 TEST(ExrDecode, ReadsLuminanceAsGrey) {
@@ -268,7 +279,8 @@ TEST(ExrDecode, DoesNotBelieveHeaders) {
   EXPECT_EQ(claims(100'000, 19), ErrorCode::kTooLarge);
   EXPECT_EQ(claims(39, -1), ErrorCode::kUnprocessable);
   EXPECT_EQ(claims(-5, 19), ErrorCode::kUnprocessable);
-  const std::int32_t lowest = std::numeric_limits<std::int32_t>::min(), highest = std::numeric_limits<std::int32_t>::max();
+  const std::int32_t lowest = std::numeric_limits<std::int32_t>::min(),
+                     highest = std::numeric_limits<std::int32_t>::max();
   EXPECT_EQ(error_of(patched(patched(file, "dataWindow", 0, lowest), "dataWindow", 8, highest)).code,
             ErrorCode::kTooLarge);
   EXPECT_EQ(error_of(patched(patched(file, "displayWindow", 4, highest), "displayWindow", 12, highest)).code,
@@ -277,7 +289,8 @@ TEST(ExrDecode, DoesNotBelieveHeaders) {
   const std::string tiled = tiled_file({}, Imf::MIPMAP_LEVELS, Imf::ROUND_DOWN);
   EXPECT_EQ(error_of(patched(tiled, "tiles", 0, 0)).code, ErrorCode::kUnprocessable);
   EXPECT_EQ(error_of(patched(tiled, "tiles", 0, highest)).code, ErrorCode::kTooLarge);
-  EXPECT_EQ(error_of(patched(tiled, "tiles", 0, 1)).code, ErrorCode::kUnprocessable);  // more tiles than bytes
+  EXPECT_EQ(error_of(patched(tiled, "tiles", 0, 1)).code,
+            ErrorCode::kUnprocessable);  // more tiles than bytes
 }
 
 // What encode_exr writes, as OpenEXR itself understands it.
@@ -288,7 +301,8 @@ TEST(ExrEncode, IsReadByOpenExr) {
       Image image = make_image(extent, channels, type, ColorSpace::kLinear);
       std::vector<float> values(static_cast<std::size_t>(extent.area()) * static_cast<std::size_t>(channels));
       std::mt19937 random(3);
-      for (float& value : values) value = float_from_half(static_cast<std::uint16_t>(sample::next(random, 0x7c00)));
+      for (float& value : values)
+        value = float_from_half(static_cast<std::uint16_t>(sample::next(random, 0x7c00)));
       if (type == SampleType::kFloat16) {
         half_from_float(values, image.samples<std::uint16_t>());
       } else {
@@ -311,7 +325,8 @@ TEST(ExrEncode, IsReadByOpenExr) {
         ASSERT_NE(header.channels().findChannel(name), nullptr) << name;
         ASSERT_EQ(header.channels()[name].type, type == SampleType::kFloat16 ? Imf::HALF : Imf::FLOAT);
         const std::size_t pixel = 4 * static_cast<std::size_t>(channels);
-        frame.insert(name, Imf::Slice::Make(Imf::FLOAT, back.data() + i, header.dataWindow(), pixel, pixel * 37));
+        frame.insert(name,
+                     Imf::Slice::Make(Imf::FLOAT, back.data() + i, header.dataWindow(), pixel, pixel * 37));
       }
       file.setFrameBuffer(frame);
       file.readPixels(0, 40);
@@ -323,7 +338,8 @@ TEST(ExrEncode, IsReadByOpenExr) {
 TEST(ExrEncode, IsReadBack) {
   Image image = make_image({64, 32}, 3, SampleType::kFloat32, ColorSpace::kLinear);
   std::mt19937 random(1);
-  for (float& sample : image.samples<float>()) sample = static_cast<float>(sample::next(random, 1 << 20)) * 0x1p-10f;
+  for (float& sample : image.samples<float>())
+    sample = static_cast<float>(sample::next(random, 1 << 20)) * 0x1p-10f;
   EXPECT_EQ(decode(encode_exr(image, {})).pixels, image.pixels);
 }
 

@@ -19,10 +19,10 @@ constexpr std::uint16_t kHalfInfinity = 0x7c00;
 // IEEE 754-2008, binary16: what a half means, in exact arithmetic.
 double meaning_of_half(std::uint16_t bits) {
   const int exponent = (bits >> 10) & 31, mantissa = bits & 1023;
-  const double magnitude =
-      exponent == 31 ? (mantissa ? std::numeric_limits<double>::quiet_NaN() : std::numeric_limits<double>::infinity())
-      : exponent == 0 ? std::ldexp(mantissa, -24)
-                      : std::ldexp(1024 + mantissa, exponent - 25);
+  const double magnitude = exponent == 31  ? (mantissa ? std::numeric_limits<double>::quiet_NaN()
+                                                       : std::numeric_limits<double>::infinity())
+                           : exponent == 0 ? std::ldexp(mantissa, -24)
+                                           : std::ldexp(1024 + mantissa, exponent - 25);
   return bits & 0x8000 ? -magnitude : magnitude;
 }
 
@@ -75,7 +75,9 @@ TEST(Half, ConvertsManyAsItConvertsOne) {
   std::vector<float> floats(halves.size());
   float_from_half(halves, floats);
   for (std::size_t i = 0; i < halves.size(); ++i) {
-    ASSERT_EQ(std::bit_cast<std::uint32_t>(floats[i]), std::bit_cast<std::uint32_t>(float_from_half(halves[i]))) << i;
+    ASSERT_EQ(std::bit_cast<std::uint32_t>(floats[i]),
+              std::bit_cast<std::uint32_t>(float_from_half(halves[i])))
+        << i;
   }
   std::mt19937 random(1);
   for (float& value : floats) value = std::bit_cast<float>(static_cast<std::uint32_t>(random()));
@@ -98,9 +100,11 @@ TEST(Image, IsMadeOfZeros) {
 
 TEST(Image, RefusesExtentsBeforeItAllocates) {
   constexpr int kMax = std::numeric_limits<int>::max(), kMin = std::numeric_limits<int>::min();
-  for (const Extent extent : {Extent{0, 1}, Extent{1, 0}, Extent{-1, -1}, Extent{kMin, kMin}, Extent{kMax, kMax},
-                              Extent{kMin, kMax}, Extent{65536, 65536}, Extent{kMax, 1}, Extent{16384, 8193}}) {
-    const Error error = sample::error_of([&] { make_image(extent, 4, SampleType::kFloat32, ColorSpace::kLinear); });
+  for (const Extent extent :
+       {Extent{0, 1}, Extent{1, 0}, Extent{-1, -1}, Extent{kMin, kMin}, Extent{kMax, kMax},
+        Extent{kMin, kMax}, Extent{65536, 65536}, Extent{kMax, 1}, Extent{16384, 8193}}) {
+    const Error error =
+        sample::error_of([&] { make_image(extent, 4, SampleType::kFloat32, ColorSpace::kLinear); });
     EXPECT_EQ(error.code, ErrorCode::kTooLarge) << extent.width << " x " << extent.height;
   }
 }
@@ -123,7 +127,9 @@ TEST(Color, TransferFunctionsAreInverses) {
   }
 }
 
-TEST(Color, LuminanceOfWhiteIsOne) { EXPECT_NEAR(luminance_rec709(1, 1, 1), 1, 1e-12); }
+TEST(Color, LuminanceOfWhiteIsOne) {
+  EXPECT_NEAR(luminance_rec709(1, 1, 1), 1, 1e-12);
+}
 
 }  // namespace
 }  // namespace furnace

@@ -20,7 +20,8 @@ void expect_flat(const std::string& file, Extent extent, const std::vector<int>&
   ASSERT_EQ(image.channels, static_cast<int>(color.size()));
   ASSERT_EQ(image.type, SampleType::kUint8);
   const auto samples = image.samples<std::uint8_t>();
-  for (std::size_t i = 0; i < samples.size(); ++i) ASSERT_NEAR(samples[i], color[i % color.size()], kTolerance) << i;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    ASSERT_NEAR(samples[i], color[i % color.size()], kTolerance) << i;
 }
 
 TEST(JpegDecode, ReadsGreyAndColour) {

@@ -16,7 +16,9 @@ using sample::PngOptions;
 
 const DecodeLimits kLimits;
 
-Image decode(const std::string& file) { return decode_texture(Blob(file), ColorSpace::kNonColor, kLimits); }
+Image decode(const std::string& file) {
+  return decode_texture(Blob(file), ColorSpace::kNonColor, kLimits);
+}
 
 std::size_t stored_channels(int color_type) {
   return color_type == 2 ? 3 : color_type == 4 ? 2 : color_type == 6 ? 4 : 1;
@@ -24,7 +26,9 @@ std::size_t stored_channels(int color_type) {
 
 std::size_t stride(int width, const PngOptions& options) {
   return (static_cast<std::size_t>(width) * stored_channels(options.color_type) *
-              static_cast<std::size_t>(options.depth) + 7) / 8;
+              static_cast<std::size_t>(options.depth) +
+          7) /
+         8;
 }
 
 // Sample `index` of a stored row.
@@ -39,15 +43,18 @@ std::uint32_t stored_sample(const std::uint8_t* row, std::size_t index, int dept
 
 std::uint32_t decoded_sample(const Image& image, int x, int y, int channel) {
   const std::size_t index = (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.extent.width) +
-                             static_cast<std::size_t>(x)) * static_cast<std::size_t>(image.channels) +
+                             static_cast<std::size_t>(x)) *
+                                static_cast<std::size_t>(image.channels) +
                             static_cast<std::size_t>(channel);
-  return image.type == SampleType::kUint16 ? image.samples<std::uint16_t>()[index] : image.samples<std::uint8_t>()[index];
+  return image.type == SampleType::kUint16 ? image.samples<std::uint16_t>()[index]
+                                           : image.samples<std::uint8_t>()[index];
 }
 
 // Random pixels, what libpng makes of them, and what they must be when read: the judge reads the bits one by one.
 void expect_round_trip(int width, int height, PngOptions options, std::uint32_t seed) {
-  SCOPED_TRACE(testing::Message() << "type " << options.color_type << ", " << options.depth << " bits, " << width << " x "
-                                  << height << (options.interlaced ? ", interlaced" : "") << ", filters " << options.filters
+  SCOPED_TRACE(testing::Message() << "type " << options.color_type << ", " << options.depth << " bits, "
+                                  << width << " x " << height << (options.interlaced ? ", interlaced" : "")
+                                  << ", filters " << options.filters
                                   << (options.transparency.empty() ? "" : ", transparency"));
   const std::size_t row_bytes = stride(width, options);
   const auto rows = sample::noise(row_bytes * static_cast<std::size_t>(height), seed);
@@ -72,20 +79,24 @@ void expect_round_trip(int width, int height, PngOptions options, std::uint32_t 
           const bool is_listed = entry * 3 < options.palette.size();
           expected = is_listed ? static_cast<std::uint8_t>(options.palette[entry * 3 + channel]) : 0;
         } else {
-          const std::uint32_t value = stored_sample(row, static_cast<std::size_t>(x) * stored + channel, options.depth);
+          const std::uint32_t value =
+              stored_sample(row, static_cast<std::size_t>(x) * stored + channel, options.depth);
           if (!options.transparency.empty()) {
-            const auto* key = reinterpret_cast<const std::uint8_t*>(options.transparency.data()) + 2 * channel;
+            const auto* key =
+                reinterpret_cast<const std::uint8_t*>(options.transparency.data()) + 2 * channel;
             is_key = is_key && value == static_cast<std::uint32_t>(key[0] << 8 | key[1]);
           }
           expected = value * spread;
         }
-        ASSERT_EQ(decoded_sample(image, x, y, static_cast<int>(channel)), expected) << x << ", " << y << ", " << channel;
+        ASSERT_EQ(decoded_sample(image, x, y, static_cast<int>(channel)), expected)
+            << x << ", " << y << ", " << channel;
       }
       if (options.transparency.empty()) continue;
       std::uint32_t alpha = is_key ? 0 : options.depth == 16 ? 65535 : 255;
       if (is_palette) {
         const std::size_t entry = stored_sample(row, static_cast<std::size_t>(x), options.depth);
-        alpha = entry < options.transparency.size() ? static_cast<std::uint8_t>(options.transparency[entry]) : 255;
+        alpha = entry < options.transparency.size() ? static_cast<std::uint8_t>(options.transparency[entry])
+                                                    : 255;
       }
       ASSERT_EQ(decoded_sample(image, x, y, image.channels - 1), alpha) << x << ", " << y;
     }
@@ -139,11 +150,14 @@ TEST(PngDecode, MakesAlphaOfTransparency) {
     palette.interlaced = interlaced;
     palette.transparency = random_text(7, 3);  // fewer than colours: the rest is opaque
     expect_round_trip(21, 9, palette, 1);
-    PngOptions grey{.color_type = 0, .depth = 2, .interlaced = interlaced, .transparency = std::string("\0\2", 2)};
+    PngOptions grey{
+        .color_type = 0, .depth = 2, .interlaced = interlaced, .transparency = std::string("\0\2", 2)};
     expect_round_trip(21, 9, grey, 2);
     PngOptions rgb{.color_type = 2, .depth = 8, .interlaced = interlaced};
-    const auto rows = sample::noise(21 * 9 * 3, 3);  // the same as in the round trip: its first pixel is the key
-    for (int i = 0; i < 3; ++i) rgb.transparency += {'\0', static_cast<char>(rows[static_cast<std::size_t>(i)])};
+    const auto rows =
+        sample::noise(21 * 9 * 3, 3);  // the same as in the round trip: its first pixel is the key
+    for (int i = 0; i < 3; ++i)
+      rgb.transparency += {'\0', static_cast<char>(rows[static_cast<std::size_t>(i)])};
     expect_round_trip(21, 9, rgb, 3);
     PngOptions deep{.color_type = 0, .depth = 16, .interlaced = interlaced};
     const auto deep_rows = sample::noise(21 * 9 * 2, 4);
@@ -166,7 +180,8 @@ TEST(PngDecode, ChecksLimitsFirst) {
 TEST(PngDecode, DoesNotBelieveHeaders) {
   std::string file = sample::png(1, 1, {1, 2, 3}, {});
   const auto set_be32 = [&](std::size_t at, std::uint32_t value) {
-    for (int i = 0; i < 4; ++i) file[at + static_cast<std::size_t>(i)] = static_cast<char>(value >> (24 - 8 * i));
+    for (int i = 0; i < 4; ++i)
+      file[at + static_cast<std::size_t>(i)] = static_cast<char>(value >> (24 - 8 * i));
   };
   set_be32(16, 16384);
   set_be32(20, 3000);
@@ -200,9 +215,10 @@ struct Judged {
 
 Judged judge(const std::string& file) {
   Judged judged;
-  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr,
-                                           [](png_structp, png_const_charp text) { throw std::runtime_error(text); },
-                                           [](png_structp, png_const_charp text) { throw std::runtime_error(text); });
+  png_structp png = png_create_read_struct(
+      PNG_LIBPNG_VER_STRING, nullptr,
+      [](png_structp, png_const_charp text) { throw std::runtime_error(text); },
+      [](png_structp, png_const_charp text) { throw std::runtime_error(text); });
   png_infop info = png_create_info_struct(png);
   std::string_view left = file;
   png_set_read_fn(png, &left, [](png_structp p, png_bytep out, std::size_t size) {
@@ -217,7 +233,8 @@ Judged judge(const std::string& file) {
   png_get_sRGB(png, info, &judged.srgb_intent);
   const std::size_t stride = png_get_rowbytes(png, info);
   judged.rows.resize(stride * png_get_image_height(png, info));
-  for (std::size_t at = 0; at < judged.rows.size(); at += stride) png_read_row(png, judged.rows.data() + at, nullptr);
+  for (std::size_t at = 0; at < judged.rows.size(); at += stride)
+    png_read_row(png, judged.rows.data() + at, nullptr);
   png_read_end(png, info);
   EXPECT_TRUE(left.empty());
   png_textp texts = nullptr;

@@ -15,7 +15,9 @@ using Row = std::vector<Pixel>;
 
 const DecodeLimits kLimits;
 
-Image decode(const std::string& file) { return decode_rgbe(std::as_bytes(std::span(file)), kLimits, Shape::kAny); }
+Image decode(const std::string& file) {
+  return decode_rgbe(std::as_bytes(std::span(file)), kLimits, Shape::kAny);
+}
 
 // Ward 1991: v = mantissa * 2^(e - 128 - 8), and exponent 0 is black.
 float meaning(std::uint8_t mantissa, std::uint8_t exponent) {
@@ -31,7 +33,8 @@ void expect_rows(const std::string& file, const std::vector<Row>& rows) {
   for (const Row& row : rows) {
     for (const Pixel& pixel : row) {
       for (int channel = 0; channel < 3; ++channel, ++i) {
-        ASSERT_EQ(image.samples<float>()[i], meaning(pixel[static_cast<std::size_t>(channel)], pixel[3])) << i;
+        ASSERT_EQ(image.samples<float>()[i], meaning(pixel[static_cast<std::size_t>(channel)], pixel[3]))
+            << i;
       }
     }
   }
@@ -114,10 +117,12 @@ TEST(RgbeDecode, TurnsRowsAndColumns) {
 TEST(RgbeDecode, RefusesWhatItCannotRead) {
   const auto error = [](const std::string& file) { return sample::error_of([&] { decode(file); }); };
   EXPECT_EQ(error("#?RADIANCE\n\n+X 2 -Y 2\n" + std::string(16, '\x20')).code, ErrorCode::kUnsupportedMedia);
-  EXPECT_EQ(error("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n    ").code, ErrorCode::kUnsupportedMedia);
-  for (const std::string resolution : {"", "-Y 2", "-Y 2 +X", "-Y x +X 2", "-Y 2 +X 2 z", "-Y 0 +X 2", "-Y -2 +X 2",
-                                       "-Y 99999999999999999999 +X 2", "Y 2 X 2"}) {
-    EXPECT_EQ(error("#?RADIANCE\n\n" + resolution + "\n" + std::string(64, '\x20')).code, ErrorCode::kUnprocessable)
+  EXPECT_EQ(error("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n    ").code,
+            ErrorCode::kUnsupportedMedia);
+  for (const std::string resolution : {"", "-Y 2", "-Y 2 +X", "-Y x +X 2", "-Y 2 +X 2 z", "-Y 0 +X 2",
+                                       "-Y -2 +X 2", "-Y 99999999999999999999 +X 2", "Y 2 X 2"}) {
+    EXPECT_EQ(error("#?RADIANCE\n\n" + resolution + "\n" + std::string(64, '\x20')).code,
+              ErrorCode::kUnprocessable)
         << resolution;
   }
   EXPECT_EQ(error("#?RADIANCE\nFORMAT").code, ErrorCode::kUnprocessable);
@@ -129,9 +134,11 @@ TEST(RgbeDecode, RefusesRunsThatLeaveTheirRow) {
     return sample::error_of([&] { decode(sample::rgbe_header(8, 1) + pixels); }).message;
   };
   const std::string head = {2, 2, 0, 8};
-  EXPECT_THAT(message(head + std::string({'\x89', 7})), testing::HasSubstr("leaves its row"));          // run of 9
-  EXPECT_THAT(message(head + std::string({9, 1, 2, 3, 4, 5, 6, 7, 8, 9})), testing::HasSubstr("leaves its row"));
-  EXPECT_THAT(message(head + std::string({0, 0, 0, 0})), testing::HasSubstr("leaves its row"));         // no progress
+  EXPECT_THAT(message(head + std::string({'\x89', 7})), testing::HasSubstr("leaves its row"));  // run of 9
+  EXPECT_THAT(message(head + std::string({9, 1, 2, 3, 4, 5, 6, 7, 8, 9})),
+              testing::HasSubstr("leaves its row"));
+  EXPECT_THAT(message(head + std::string({0, 0, 0, 0})),
+              testing::HasSubstr("leaves its row"));  // no progress
   EXPECT_THAT(message(std::string({2, 2, 0, 9}) + std::string(40, 1)), testing::HasSubstr("wrong width"));
   EXPECT_THAT(message(std::string({1, 1, 1, 4})), testing::HasSubstr("no pixel to repeat"));
   EXPECT_THAT(message(std::string({9, 9, 9, 9, 1, 1, 1, 8})), testing::HasSubstr("leaves its row"));

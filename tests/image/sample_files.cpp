@@ -20,12 +20,16 @@ std::vector<std::uint8_t> noise(std::size_t size, std::uint32_t seed) {
 
 namespace {
 
-[[noreturn]] void throw_png_error(png_structp, png_const_charp message) { throw std::runtime_error(message); }
+[[noreturn]] void throw_png_error(png_structp, png_const_charp message) {
+  throw std::runtime_error(message);
+}
 
 void set_transparency(png_structp png, png_infop info, const PngOptions& options) {
   if (options.transparency.empty()) return;
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(options.transparency.data());
-  const auto sample = [&](std::size_t i) { return static_cast<png_uint_16>(bytes[2 * i] << 8 | bytes[2 * i + 1]); };
+  const auto sample = [&](std::size_t i) {
+    return static_cast<png_uint_16>(bytes[2 * i] << 8 | bytes[2 * i + 1]);
+  };
   png_color_16 key{};
   if (options.color_type == PNG_COLOR_TYPE_GRAY) key.gray = sample(0);
   if (options.color_type == PNG_COLOR_TYPE_RGB) key = {0, sample(0), sample(1), sample(2), 0};
@@ -56,7 +60,8 @@ std::string png(int width, int height, const std::vector<std::uint8_t>& rows, co
   png_write_info(png, info);
   const std::size_t stride = rows.size() / static_cast<std::size_t>(height);
   std::vector<png_bytep> pointers;
-  for (int y = 0; y < height; ++y) pointers.push_back(const_cast<png_bytep>(rows.data()) + stride * static_cast<std::size_t>(y));
+  for (int y = 0; y < height; ++y)
+    pointers.push_back(const_cast<png_bytep>(rows.data()) + stride * static_cast<std::size_t>(y));
   png_write_image(png, pointers.data());
   png_write_end(png, info);
   png_destroy_write_struct(&png, &info);

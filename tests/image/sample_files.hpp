@@ -13,7 +13,9 @@
 namespace furnace::sample {
 
 // Same seed, same noise, everywhere (std::uniform_int_distribution is not the same everywhere).
-inline std::uint32_t next(std::mt19937& random, std::uint32_t below) { return static_cast<std::uint32_t>(random() % below); }
+inline std::uint32_t next(std::mt19937& random, std::uint32_t below) {
+  return static_cast<std::uint32_t>(random() % below);
+}
 
 std::vector<std::uint8_t> noise(std::size_t size, std::uint32_t seed);
 
@@ -21,9 +23,9 @@ struct PngOptions {
   int color_type = 2;
   int depth = 8;
   bool interlaced = false;
-  int filters = 0xf8;             // PNG_ALL_FILTERS, or one of libpng's masks
-  std::string palette;            // RGB triples
-  std::string transparency;       // alphas of a palette, or big-endian 16-bit samples of the key colour
+  int filters = 0xf8;        // PNG_ALL_FILTERS, or one of libpng's masks
+  std::string palette = {};       // RGB triples
+  std::string transparency = {};  // alphas of a palette, or big-endian 16-bit samples of the key colour
 };
 
 // `rows` as stored: packed below 8 bits, big-endian at 16. By libpng.

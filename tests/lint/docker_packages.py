@@ -10,9 +10,14 @@ import sys
 import tree
 
 DOCKERFILE = "docker/Dockerfile"
-RELEASE = 'VERSION_CODENAME=bookworm'
+RELEASE = "VERSION_CODENAME=bookworm"
 # In every image of Debian, or brought by others of the list.
 GIVEN = {"libc6", "libgcc-s1", "libstdc++6", "zlib1g"}
+
+
+def on_image_release():
+    release = pathlib.Path("/etc/os-release")
+    return release.is_file() and RELEASE in release.read_text()
 
 
 def direct_libraries(program):
@@ -45,7 +50,6 @@ def check(root, program):
 
 
 if __name__ == "__main__":
-    release = pathlib.Path("/etc/os-release")
-    if release.is_file() and RELEASE in release.read_text():
+    if on_image_release():
         tree.main("docker packages", lambda root: check(root, sys.argv[1]))
     print("docker packages: skipped, this is not the release of the image")

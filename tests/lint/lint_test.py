@@ -10,6 +10,7 @@ import check_format
 import check_shaders
 import check_sizes
 import check_words
+import docker_packages
 
 TABLE = (pathlib.Path(__file__).parent / "floors.txt").read_text()
 
@@ -181,6 +182,17 @@ class Shaders(Tree):
         self.write("shaders/lib/two.glsl", '#include "lib/one.glsl"\n')
         self.assertIn("cycle", self.problems('#include "lib/one.glsl"\nvoid main() {}\n')[0])
         self.assertIn("there is no shaders/lib/none.glsl", self.problems('#include "lib/none.glsl"\n')[0])
+
+
+@unittest.skipUnless(docker_packages.on_image_release() and shutil.which("cmake"), "not the release of the image")
+class DockerPackages(Tree):
+    def test_missing_package(self):
+        program = shutil.which("cmake")
+        needs_uv = "FROM a AS build\nRUN install libuv1\nFROM a\nRUN install {}\n"
+        self.write(docker_packages.DOCKERFILE, needs_uv.format("libarchive13"))
+        problems = docker_packages.check(self.root, program)
+        self.assertTrue(any("lacks libuv1 (" in problem for problem in problems), problems)
+        self.assertFalse(any("lacks libarchive13 (" in problem for problem in problems), problems)
 
 
 if __name__ == "__main__":

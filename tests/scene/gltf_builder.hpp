@@ -94,6 +94,36 @@ inline GltfBuilder triangle_builder() {
   return builder;
 }
 
+// A triangle with normals and both UV sets: nothing to mend.
+inline GltfBuilder clean_builder(Json node = Json::object()) {
+  GltfBuilder builder;
+  const int position = builder.add_accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0});
+  const int normal = builder.add_accessor<float>("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1});
+  const int uv0 = builder.add_accessor<float>("VEC2", {0, 0, 1, 0, 0, 1});
+  const int uv1 = builder.add_accessor<float>("VEC2", {0.5f, 0, 1, 0, 0, 1});
+  builder.show({{"attributes",
+                 {{"POSITION", position}, {"NORMAL", normal}, {"TEXCOORD_0", uv0}, {"TEXCOORD_1", uv1}}}},
+               std::move(node));
+  return builder;
+}
+
+inline Json& primitive_of(GltfBuilder& builder) {
+  return builder.json["meshes"][0]["primitives"][0];
+}
+
+// Enough of a PNG to be taken for one: importing does not decode.
+inline const std::string kPngStart("\x89PNG\r\n\x1a\n", 8);
+
+inline int add_texture(GltfBuilder& builder, const std::string& uri) {
+  return builder.add("textures", {{"source", builder.add("images", {{"uri", uri}})}});
+}
+
+inline Scene import_with_png(const GltfBuilder& builder, const std::string& name) {
+  ModelBundle bundle = builder.bundle();
+  bundle.siblings[name] = Blob(kPngStart);
+  return import_gltf(bundle, {}, {}, Deadline());
+}
+
 // The Error that `body` ends with, if any.
 template <class Body>
 std::optional<Error> error_of(Body&& body) {

@@ -1,0 +1,95 @@
+"""The command line of the real program: command_line_test.py FURNACE [unittest arguments]."""
+import json
+import os
+import subprocess
+import tempfile
+
+import http_support as support
+from http_support import Case, Server, small
+
+
+class CommandLine(Case):
+    def run_furnace(self, *arguments, status=0, data=None, folder=None, environment=None):
+        done = subprocess.run([os.path.abspath(support.FURNACE), *arguments], capture_output=True, input=data, cwd=folder,
+                              timeout=support.PATIENCE_S, env={**os.environ, **(environment or {})})
+        self.assertEqual(done.returncode, status, (arguments, done.stdout[-500:], done.stderr[-2000:]))
+        return done
+
+    def test_render_a_request_from_stdin_to_stdout(self):
+        done = self.run_furnace("render", "-", "-o", "-", data=json.dumps(small()).encode())
+        self.assertEqual(support.read_png(done.stdout)[:2], (48, 32))
+        events = [json.loads(line)["event"] for line in done.stderr.splitlines()]
+        self.assertIn("render.done", events)
+
+    def test_same_bytes_as_over_http(self):
+        with Server() as server:
+            over_http = server.render(small()).body
+        done = self.run_furnace("render", "-", "-o", "-", data=json.dumps(small()).encode())
+        self.assertEqual(done.stdout, over_http)
+
+    def test_render_a_model_with_options(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, content in support.textured_quad().items():
+                with open(os.path.join(folder, name), "wb") as file:
+                    file.write(content)
+            self.run_furnace("render", "quad.gltf", "-o", "out.png", "--width", "40", "--height", "30", "--samples", "1",
+                             "--azimuth", "0", "--elevation", "0", "--background", "transparent", "--environment", "overcast",
+                             "--repeat", "2", folder=folder)
+            with open(os.path.join(folder, "out.png"), "rb") as file:
+                width, height, channels, pixels = support.read_png(file.read())
+            self.assertEqual((width, height, channels), (40, 30, 4))
+            self.assertGreater(pixels[15 * 40 + 20][0], pixels[15 * 40 + 20][1])
+            self.run_furnace("render", "quad.gltf", "-o", "out.exr", "--width", "40", "--height", "30", "--samples", "1", folder=folder)
+            with open(os.path.join(folder, "out.exr"), "rb") as file:
+                self.assertEqual(file.read(4), b"\x76\x2f\x31\x01")
+
+    def test_options_override_a_request(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with open(os.path.join(folder, "request.json"), "w", encoding="utf-8") as file:
+                json.dump(small(), file)
+            self.run_furnace("render", "request.json", "-o", "out.png", "--width", "20", folder=folder)
+            with open(os.path.join(folder, "out.png"), "rb") as file:
+                self.assertEqual(support.read_png(file.read())[:2], (20, 32))
+
+    def test_failures_are_1_with_a_pointer(self):
+        done = self.run_furnace("render", "-", "-o", "-", data=b'{"output":{"width":0}}', status=1)
+        self.assertIn(b"/output/width", done.stderr)
+        self.run_furnace("render", "absent.glb", "-o", "-", status=1)
+        self.run_furnace("render", "-", "-o", "/no/such/folder/out.png", data=json.dumps(small()).encode(), status=1)
+
+    def test_wrong_usage_is_2(self):
+        for wrong in ([], ["fly"], ["render"], ["render", "-"], ["render", "-", "-o", "x.png", "--width", "many"],
+                      ["serve", "--queue", "-1"], ["serve", "--listen", "nowhere"], ["serve", "--no-such-flag", "1"]):
+            self.run_furnace(*wrong, status=2)
+
+    def test_every_configuration_problem_is_told(self):
+        done = self.run_furnace("serve", "--queue", "many", "--timeout", "3", status=2, environment={"FURNACE_SEATS": "-4"})
+        for name in (b"--queue", b"--timeout", b"FURNACE_SEATS"):
+            self.assertIn(name, done.stderr)
+
+    def test_check_config(self):
+        done = self.run_furnace("check-config", "--queue", "5", environment={"FURNACE_SEATS": "3", "FURNACE_SEETS": "3"})
+        self.assertIn(b"\nqueue = 5\n", done.stdout)
+        self.assertIn(b"\nseats = 3\n", done.stdout)
+        self.assertIn(b"FURNACE_SEETS", done.stderr)
+        self.run_furnace("check-config", "--queue", "many", status=1)
+
+    def test_an_address_in_use_is_a_failure(self):
+        with Server() as server:
+            done = self.run_furnace("serve", "--listen", f"127.0.0.1:{server.port}", status=1)
+            self.assertIn(b"cannot listen", done.stderr)
+
+    def test_doctor(self):
+        done = self.run_furnace("doctor")
+        self.assertIn(b"[works]", done.stdout)
+        report = json.loads(self.run_furnace("doctor", "--json").stdout)
+        self.assertTrue(report["usable"])
+        self.assertTrue(any(device["usable"] and device["renderer"] for device in report["devices"]))
+
+    def test_version_and_help(self):
+        self.assertRegex(self.run_furnace("version").stdout.decode(), r"^furnace \d+\.\d+\.\d+\+[0-9a-f]{12}\n$")
+        self.assertIn(b"FURNACE_LISTEN", self.run_furnace("serve", "--help").stdout)
+
+
+if __name__ == "__main__":
+    support.main()

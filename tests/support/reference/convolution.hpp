@@ -1,0 +1,169 @@
+// Judges of the environment bake, in double precision and by sums: slow, plain, and sharing nothing with the baker but the
+// definition of the map.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+#include "renderer/ibl/octahedral_atlas.hpp"
+
+namespace furnace::reference {
+
+using Rgb = std::array<double, 3>;
+
+struct Direction {
+  double theta = 0;  // rad, from +Y
+  double phi = 0;    // rad, from +X towards +Z
+
+  std::array<double, 3> unit() const {
+    return {std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
+  }
+};
+
+// The centre of texel (i, j) of an equirect map (baked_environment.hpp).
+inline Direction texel_direction(Extent extent, int i, int j) {
+  return {std::numbers::pi * (j + 0.5) / extent.height, 2 * std::numbers::pi * ((i + 0.5) / extent.width - 0.5)};
+}
+
+inline Rgb texel_value(const Image& map, int i, int j) {
+  const float* p = map.samples<float>().data() + (std::size_t(j) * map.extent.width + i) * 3;
+  return {p[0], p[1], p[2]};
+}
+
+inline double d_ggx(double NoH, double alpha) {  // Walter 2007, equation 33
+  const double a2 = alpha * alpha, d = NoH * NoH * (a2 - 1) + 1;
+  return a2 / (std::numbers::pi * d * d);
+}
+
+// D(h) mu with h half-way between the map's direction and the light's, mu = cos of the angle between those; not normalised.
+inline double prefilter_kernel(double mu, double alpha) {
+  return mu <= 0 ? 0 : d_ggx(std::sqrt(0.5 * (1 + mu)), alpha) * mu;
+}
+
+// Its integral over the sphere: midpoints in the logarithm of the angle, where the kernel is nowhere steep.
+inline double prefilter_integral(double alpha) {
+  constexpr int kSteps = 20000;
+  const double low = std::log(1e-5 * alpha), high = std::log(std::numbers::pi / 2), step = (high - low) / kSteps;
+  double sum = 0;
+  for (int k = 0; k < kSteps; ++k) {
+    const double angle = std::exp(low + (k + 0.5) * step);
+    sum += prefilter_kernel(std::cos(angle), alpha) * std::sin(angle) * angle * step;
+  }
+  return 2 * std::numbers::pi * sum;
+}
+
+// `map`, constant over each texel, prefiltered for a direction, for several alphas at once: double sums over the texels,
+// each cut as finely as the narrowest kernel asks for there, with 2 x 2 Gauss nodes in each part.
+inline std::vector<Rgb> prefilter(const Image& map, Direction d, const std::vector<double>& alphas) {
+  constexpr double kFineness = 0.2;  // part size : distance to the kernel's poles; the rule errs by its 4th power / 5
+  const auto [width, height] = map.extent;
+  const double cell_theta = std::numbers::pi / height, cell_phi = 2 * std::numbers::pi / width;
+  const double narrowest = 2 * *std::min_element(alphas.begin(), alphas.end());
+  std::vector<Rgb> sums(alphas.size(), Rgb{});
+  for (int j = 0; j < height; ++j) {
+    for (int i = 0; i < width; ++i) {
+      const Direction centre = texel_direction(map.extent, i, j);
+      const auto chord2 = [&](double theta, double phi) {  // sin^2 of half the angle to d
+        const double a = std::sin((theta - d.theta) / 2), b = std::sin((phi - d.phi) / 2);
+        return a * a + std::sin(theta) * std::sin(d.theta) * b * b;
+      };
+      const double angle = 2 * std::asin(std::min(1.0, std::sqrt(chord2(centre.theta, centre.phi))));
+      const double distance = std::hypot(std::max(0.0, angle - cell_theta), narrowest);
+      const int parts = std::clamp(static_cast<int>(std::ceil(cell_theta / (kFineness * distance))), 1, 64);
+      const Rgb value = texel_value(map, i, j);
+      for (int part = 0; part < 4 * parts * parts; ++part) {
+        const auto node = [&](int k) { return (k / 2 + 0.5 + (k % 2 ? 0.5 : -0.5) / std::sqrt(3.0)) / parts - 0.5; };
+        const double theta = centre.theta + cell_theta * node(part / (2 * parts));
+        const double phi = centre.phi + cell_phi * node(part % (2 * parts));
+        const double mu = 1 - 2 * chord2(theta, phi);
+        const double solid_angle = cell_theta * cell_phi * std::sin(theta) / (4 * parts * parts);
+        for (std::size_t k = 0; k < alphas.size(); ++k) {
+          const double weight = solid_angle * prefilter_kernel(mu, alphas[k]);
+          for (int c = 0; c < 3; ++c) sums[k][c] += weight * value[c];
+        }
+      }
+    }
+  }
+  for (std::size_t k = 0; k < alphas.size(); ++k)
+    for (double& channel : sums[k]) channel /= prefilter_integral(alphas[k]);
+  return sums;
+}
+
+// What the shader reads from a tile: bilinear.
+inline Rgb read_tile(const OctahedralAtlas& atlas, const AtlasTile& tile, Direction d) {
+  const auto [x, y, z] = d.unit();
+  const OctahedralUv uv = octahedral_from_direction(x, y, z);
+  const double column = tile.x + uv.u * tile.inner - 0.5, row = tile.y + uv.v * tile.inner - 0.5;
+  const int i = static_cast<int>(std::floor(column)), j = static_cast<int>(std::floor(row));
+  const double s = column - i, t = row - j;
+  const auto texels = atlas.texels.samples<std::uint16_t>();
+  Rgb result;
+  for (int c = 0; c < 3; ++c) {
+    const auto at = [&](int a, int b) {
+      return double{float_from_half(texels[(std::size_t(j + b) * atlas.texels.extent.width + i + a) * 4 + c])};
+    };
+    result[c] = ((1 - t) * ((1 - s) * at(0, 0) + s * at(1, 0)) + t * ((1 - s) * at(0, 1) + s * at(1, 1))) / atlas.scale;
+  }
+  return result;
+}
+
+// What the shader makes of any roughness: two neighbouring levels mixed linearly in level_coordinate.
+inline Rgb read_levels(const BakedEnvironment& baked, const OctahedralAtlas& atlas, double roughness, Direction d) {
+  std::size_t upper = 0;
+  while (upper + 1 < atlas.level_roughness.size() && atlas.level_roughness[upper] < roughness) ++upper;
+  const double high = level_coordinate(atlas.level_roughness[upper]);
+  const double low = upper == 0 ? 0 : level_coordinate(atlas.level_roughness[upper - 1]);
+  const double w = (level_coordinate(roughness) - low) / (high - low);
+  const Rgb b = read_tile(atlas, atlas.level_tiles[upper], d);
+  Rgb a;
+  if (upper == 0) {
+    const auto [x, y, z] = d.unit();
+    const std::array<float, 3> mirror = sample_equirect(*baked.radiance, x, y, z);
+    std::copy(mirror.begin(), mirror.end(), a.begin());
+  } else {
+    a = read_tile(atlas, atlas.level_tiles[upper - 1], d);
+  }
+  return {a[0] + w * (b[0] - a[0]), a[1] + w * (b[1] - a[1]), a[2] + w * (b[2] - a[2])};
+}
+
+// RMS of |c - r| / (r + 1 % of the mean r): dark sides count.
+inline double relative_rmse(const std::vector<Rgb>& computed, const std::vector<Rgb>& expected) {
+  double mean = 0, sum = 0;
+  for (const Rgb& r : expected) mean += (r[0] + r[1] + r[2]) / (3.0 * expected.size());
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    for (int c = 0; c < 3; ++c)
+      sum += std::pow((computed[k][c] - expected[k][c]) / (expected[k][c] + 0.01 * mean), 2);
+  }
+  return std::sqrt(sum / (3.0 * expected.size()));
+}
+
+// Mean over the sphere of an equirect map's texels, weighted by their exact solid angles.
+inline Rgb mean_radiance(const Image& map) {
+  Rgb sum{};
+  for (int j = 0; j < map.extent.height; ++j) {
+    const double band = std::cos(std::numbers::pi * j / map.extent.height) -
+                        std::cos(std::numbers::pi * (j + 1) / map.extent.height);
+    for (int i = 0; i < map.extent.width; ++i) {
+      const Rgb value = texel_value(map, i, j);
+      for (int c = 0; c < 3; ++c) sum[c] += band / (2 * map.extent.width) * value[c];
+    }
+  }
+  return sum;
+}
+
+// Evenly spread over the sphere (Swinbank and Purser 2006, "Fibonacci grids").
+inline std::vector<Direction> spread_directions(int count) {
+  std::vector<Direction> directions;
+  for (int k = 0; k < count; ++k) {
+    const double turns = k * std::numbers::phi;
+    directions.push_back({std::acos(1 - (2 * k + 1.0) / count),
+                          2 * std::numbers::pi * (turns - std::floor(turns) - 0.5)});
+  }
+  return directions;
+}
+
+}  // namespace furnace::reference
