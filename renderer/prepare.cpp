@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -46,6 +47,18 @@ Image to_uploadable(Image image, ColorSpace color_space) {
                                           : expand_to_rgba<std::uint16_t>(image, 65535);
 }
 
+template <class T>
+float lowest_green_of(const Image& rgba) {
+  const auto samples = rgba.samples<T>();
+  T lowest = std::numeric_limits<T>::max();
+  for (std::size_t i = 1; i < samples.size(); i += 4) lowest = std::min(lowest, samples[i]);
+  return float(lowest) / float(std::numeric_limits<T>::max());
+}
+
+float lowest_green(const Image& rgba) {
+  return rgba.type == SampleType::kUint8 ? lowest_green_of<std::uint8_t>(rgba) : lowest_green_of<std::uint16_t>(rgba);
+}
+
 Image white_pixel() {
   Image image = make_image({1, 1}, 4, SampleType::kUint8, ColorSpace::kNonColor);
   std::fill(image.pixels.begin(), image.pixels.end(), std::byte{255});
@@ -63,11 +76,13 @@ double half_scale(double peak) {
 PreparedPixels prepare_texture(const Blob& encoded, ColorSpace color_space, const std::string& pointer,
                                const DecodeLimits& limits) {
   try {
-    return {to_uploadable(decode_texture(encoded, color_space, limits), color_space), std::nullopt};
+    Image pixels = to_uploadable(decode_texture(encoded, color_space, limits), color_space);
+    const float lowest = lowest_green(pixels);
+    return {std::move(pixels), lowest, std::nullopt};
   } catch (Error& error) {
     error.pointer = pointer;
     if (error.code != ErrorCode::kUnsupportedMedia) throw;
-    return {white_pixel(), Note{"texture-unsupported", pointer, error.message + "; white stands in for it"}};
+    return {white_pixel(), 1, Note{"texture-unsupported", pointer, error.message + "; white stands in for it"}};
   }
 }
 

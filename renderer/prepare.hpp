@@ -12,6 +12,7 @@ namespace furnace {
 
 struct PreparedPixels {
   Image pixels;              // RGBA kUint8 or kUint16
+  float lowest_green = 0;    // [0, 1]
   std::optional<Note> note;  // when white stands in for a format that is not read
 };
 

@@ -117,6 +117,7 @@ void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, std::v
     PreparedPixels prepared =
         prepare_texture(texture.image->encoded, texture.color_space, texture.image->pointer, config_.texture);
     out.textures[i].pixels = std::make_shared<const Image>(std::move(prepared.pixels));
+    out.textures[i].lowest_green = prepared.lowest_green;
     texture_notes[i] = std::move(prepared.note);
   });
   for (auto& note : texture_notes) {

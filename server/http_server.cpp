@@ -50,7 +50,12 @@ struct Exchange {
   bool close = false;           // the connection cannot carry another request
   std::int64_t body_bytes = 0;  // taken from the budget of all bodies
 
-  ~Exchange() { all_bodies_bytes -= body_bytes; }
+  ~Exchange() { drop_body(); }
+  // Before the reply is sent: a client that has it may count on the room.
+  void drop_body() {
+    all_bodies_bytes -= std::exchange(body_bytes, 0);
+    request.body = {};
+  }
 };
 
 thread_local Exchange* current_exchange = nullptr;
@@ -403,11 +408,13 @@ void HttpServer::State::answer(Exchange& exchange, httplib::Response& out) {
   const InFlight::Entry entry(in_flight_, exchange.io.socket());
   exchange.request.deadline = Deadline(config_.timeout, entry.token());
   fill(out, dispatcher_.handle(exchange.request));
+  exchange.drop_body();
   exchange.replied = true;
 }
 
 void HttpServer::State::refuse(Exchange& exchange, const Refusal& refusal, httplib::Response& out) {
   if (exchange.request.id.empty()) exchange.request.id = new_request_id();
+  exchange.drop_body();
   exchange.close = true;
   exchange.replied = true;
   out = httplib::Response();

@@ -51,7 +51,6 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
       const PassContext pass{context_, programs_, residency,           plan, *targets_,
                              scene,    tile,      empty_vertex_array_, uniforms[subframe].sky_lod};
       pass_surface_opaque(pass);
-      pass_background(pass);
       pass_surface_blended(pass);
       pass_accumulate(pass, subframe == 0);
       glFinish();

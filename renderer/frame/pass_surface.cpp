@@ -24,9 +24,8 @@ gl::PassState surface_state(const PassContext& pass) {
 }
 
 void bind_environment(const PassContext& pass) {
+  bind_sky(pass);
   gl::SamplerCache& samplers = pass.residency.samplers();
-  glBindTextureUnit(kSkyUnit, pass.scene.environment->sky.id());
-  glBindSampler(kSkyUnit, samplers.get(pass.context, kSkySampler));
   glBindTextureUnit(kAtlasUnit, pass.scene.environment->atlas.id());
   glBindSampler(kAtlasUnit, samplers.get(pass.context, kTableSampler));
   glBindTextureUnit(kDfgUnit, pass.residency.dfg_texture());
@@ -63,6 +62,11 @@ void cull(GLenum face) {
 
 }  // namespace
 
+void bind_sky(const PassContext& pass) {
+  glBindTextureUnit(kSkyUnit, pass.scene.environment->sky.id());
+  glBindSampler(kSkyUnit, pass.residency.samplers().get(pass.context, kSkySampler));
+}
+
 void pass_surface_opaque(const PassContext& pass) {
   gl::PassState state = surface_state(pass);
   state.depth = gl::DepthUse::kTestAndWrite;
@@ -83,18 +87,6 @@ void pass_surface_opaque(const PassContext& pass) {
     cull(material.double_sided ? GL_NONE : GL_BACK);
     submit(draw);
   }
-}
-
-void pass_background(const PassContext& pass) {
-  if (pass.plan.background != BackgroundKind::kEnvironment) return;
-  gl::PassState state = surface_state(pass);
-  state.depth = gl::DepthUse::kTest;
-  gl::begin_pass(pass.context, state);
-  bind_environment(pass);
-  const gl::FeatureSet features = pass.sky_lod < 0 ? gl::FeatureSet(gl::kFeatureMagnified) : 0;
-  glUseProgram(pass.programs.request(pass.context, {"screen/fullscreen.vert", "screen/background.frag", features}));
-  glBindVertexArray(pass.empty_vertex_array.id());
-  glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 void pass_surface_blended(const PassContext& pass) {

@@ -21,15 +21,16 @@ struct PassContext {
   float sky_lod;  // FrameBlock::sky_lod of the sub-frame
 };
 
+// The environment's own texture, where every shader that reads it expects it.
+void bind_sky(const PassContext& pass);
+
 // Opaque and masked surfaces into a target cleared to the background's colour.
 void pass_surface_opaque(const PassContext& pass);
-// The environment, where nothing opaque was drawn.
-void pass_background(const PassContext& pass);
-// Blended surfaces over both, farthest first.
+// Blended surfaces over them, farthest first.
 void pass_surface_blended(const PassContext& pass);
-// Adds the sub-frame into the accumulated frame; the first one replaces it. A lone sub-frame is not accumulated.
+// Composes the sub-frame over the environment behind it and adds it into the accumulated frame; the first one replaces it. A lone sub-frame is not accumulated.
 void pass_accumulate(const PassContext& pass, bool first);
-// Exposure, tone curve and transfer function of the accumulated (or lone) sub-frame into the film.
+// Exposure, tone curve and transfer function of the accumulated frame (or of the lone sub-frame, composed) into the film.
 void pass_resolve(const PassContext& pass);
 
 }  // namespace furnace

@@ -13,9 +13,12 @@ enum Feature : FeatureSet {
   kFeatureUnlit = 1u << 2,
   kFeatureNormalMap = 1u << 3,
   kFeatureMaterialMaps = 1u << 4,
-  kFeatureSharpReflection = 1u << 5,
-  kFeatureMagnified = 1u << 6,
-  kFeatureMultisampled = 1u << 7,
+  kFeaturePackedOcclusion = 1u << 5,
+  kFeatureEmissiveMap = 1u << 6,
+  kFeatureSharpReflection = 1u << 7,
+  kFeatureMultisampled = 1u << 8,
+  kFeatureSky = 1u << 9,
+  kFeatureMagnified = 1u << 10,
 };
 
 }  // namespace furnace::gl

@@ -25,7 +25,7 @@ constexpr double kSharpBelow = 0.125;
 constexpr std::size_t kSmoothLevels = 3;  // the first ones above it carry the tails of the sharp ones
 constexpr int kBands = 512;
 constexpr int kFewestRows = 512;          // of the working map
-constexpr double kCutOff = 1e-4;          // sufficient_bands of a level,
+constexpr double kCutOff = 3e-5;          // sufficient_bands of a level,
 constexpr double kIrradianceCutOff = 2e-5;  // and of the irradiance
 
 // A map of few texels, each cut into equal ones: the same piecewise constant function on a finer grid.

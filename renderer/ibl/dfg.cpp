@@ -12,8 +12,8 @@ namespace furnace {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kPolarNodes = 20;    // for each part of the polar angle
-constexpr int kAzimuthBlocks = 2;  // of eight nodes
+constexpr int kPolarNodes = 48;    // for each part of the polar angle
+constexpr int kAzimuthBlocks = 4;  // of eight nodes
 
 struct View {
   double cos_v = 0;
@@ -152,8 +152,10 @@ DfgTable compute_dfg_table(int size) {
   const std::vector<QuadratureNode> unit = gauss_legendre(8 * kAzimuthBlocks, 0, 1);
   AzimuthNodes azimuth;
   for (int k = 0; k < 8 * kAzimuthBlocks; ++k) {
-    azimuth.x[k / 8].set(k % 8, unit[k].x);
-    azimuth.weight[k / 8].set(k % 8, unit[k].weight);
+    // Crowded at the end, where n.l goes to 0 and, seen at grazing angles, the masking changes within n.l ~ n.v.
+    const double rest = 1 - unit[k].x;
+    azimuth.x[k / 8].set(k % 8, 1 - rest * rest * rest);
+    azimuth.weight[k / 8].set(k % 8, 3 * rest * rest * unit[k].weight);
   }
   DfgTable table{size, std::vector<DfgTexel>(std::size_t(size) * size)};
   for (int row = 0; row < size; ++row)

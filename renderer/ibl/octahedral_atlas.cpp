@@ -15,14 +15,17 @@ namespace {
 constexpr int kBorder = 1;  // px
 constexpr int kSmallestTile = 64;
 constexpr double kTexelsPerAlpha = 7;     // side of a tile times alpha: the error of bilinear reading
-constexpr double kTexelsPerColumn = 0.78;  // side of a tile per column of the HDRI
+constexpr double kTexelsPerColumn = 0.75;  // side of a tile per column of the HDRI
+constexpr double kKinkTile = 128;
 constexpr int kLargestTile = 1024;
 constexpr float kLargestHalf = 65504;
 constexpr double kTexelCost_us = 0.005;
 
-// The kernel and the texels of the HDRI blur together; the finer of the two counts for little.
+// The kernel and the texels of the HDRI blur together; the finer of the two counts for little. Rough levels have a kink
+// where a sun sets, the stronger the rougher.
 int tile_side(double alpha, int map_columns) {
-  const double side = 1 / std::hypot(alpha / kTexelsPerAlpha, 1 / (kTexelsPerColumn * map_columns));
+  const double blurred = 1 / std::hypot(alpha / kTexelsPerAlpha, 1 / (kTexelsPerColumn * map_columns));
+  const double side = std::max(blurred, kKinkTile * std::cbrt(alpha));
   return std::clamp(static_cast<int>(std::ceil(side / 8)) * 8, kSmallestTile, kLargestTile);
 }
 
@@ -126,7 +129,7 @@ OctahedralAtlas make_octahedral_atlas(const BakedEnvironment& baked, WorkerPool&
     atlas.level_tiles.push_back({0, 0, tile_side(alpha, columns)});
     peak = std::max(peak, largest_sample(level.equirect));
   }
-  atlas.irradiance_tile.inner = tile_side(1, columns) * 2;
+  atlas.irradiance_tile.inner = tile_side(1, columns);
   // A factor of two is left for what interpolation adds.
   if (peak > 0) atlas.scale = std::exp2(std::floor(std::log2(kLargestHalf / (2.0 * peak))));
 

@@ -20,18 +20,23 @@ gl::Buffer upload_blocks(gl::Context& context, const std::vector<Block>& blocks,
   return gl::create_buffer(context, bytes.data(), bytes.size());
 }
 
-gl::FeatureSet material_features(const Material& material, double first_level_roughness) {
+// `roughness_map`: of the metallic-roughness slot, or null.
+gl::FeatureSet material_features(const Material& material, const GpuTexture* roughness_map,
+                                 double first_level_roughness) {
   gl::FeatureSet features = 0;
   if (material.alpha_mode == AlphaMode::kMask) features |= gl::kFeatureAlphaMask;
   if (material.alpha_mode == AlphaMode::kBlend) features |= gl::kFeatureAlphaBlend;
-  const bool maps = material.base_color_texture || material.metallic_roughness_texture || material.occlusion_texture ||
-                    material.emissive_texture;
-  if (maps) features |= gl::kFeatureMaterialMaps;
+  if (material.base_color_texture || material.metallic_roughness_texture || material.occlusion_texture) {
+    features |= gl::kFeatureMaterialMaps;
+  }
+  if (material.occlusion_texture && material.occlusion_texture == material.metallic_roughness_texture) {
+    features |= gl::kFeaturePackedOcclusion;
+  }
+  if (material.emissive_texture) features |= gl::kFeatureEmissiveMap;
   if (material.unlit) return features | gl::kFeatureUnlit;
   if (material.normal_texture) features |= gl::kFeatureNormalMap;
-  if (material.metallic_roughness_texture || material.perceptual_roughness < first_level_roughness) {
-    features |= gl::kFeatureSharpReflection;
-  }
+  const float lowest = material.perceptual_roughness * (roughness_map != nullptr ? roughness_map->lowest_green : 1);
+  if (double(lowest) < first_level_roughness) features |= gl::kFeatureSharpReflection;
   return features;
 }
 
@@ -56,8 +61,10 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
           slot ? textures[std::size_t(slot->image)]->texture.id() : residency.neutral_texture();
       gpu_material.samplers[std::size_t(i)] = residency.samplers().get(context, slot ? slot->sampler : SamplerDesc{});
     }
+    const auto& roughness_slot = material.metallic_roughness_texture;
+    const GpuTexture* roughness_map = roughness_slot ? textures[std::size_t(roughness_slot->image)] : nullptr;
     gpu_material.features =
-        material_features(material, scene.environment->atlas.level_roughness.front());
+        material_features(material, roughness_map, scene.environment->atlas.level_roughness.front());
     gpu_material.alpha_mode = material.alpha_mode;
     gpu_material.double_sided = material.double_sided;
     out.materials.push_back(gpu_material);

@@ -19,6 +19,7 @@ struct PreparedTexture {
   ContentHash key;  // of the encoded bytes and the colour space
   // RGBA kUint8 or kUint16; null when it was resident on the GPU a moment ago, so nothing was decoded.
   std::shared_ptr<const Image> pixels;
+  float lowest_green = 0;  // [0, 1], of `pixels`: the lowest roughness in a metallic-roughness map
 };
 
 // One environment in the shape the GPU takes. Values are radiance * scale, the scale a power of two.

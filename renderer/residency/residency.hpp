@@ -18,6 +18,7 @@ namespace furnace {
 struct GpuTexture {
   gl::Texture texture;
   std::size_t bytes = 0;
+  float lowest_green = 0;  // PreparedTexture::lowest_green
 };
 
 struct GpuEnvironment {

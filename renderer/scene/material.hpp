@@ -41,6 +41,8 @@ struct TextureSlot {
   int uv_set = 0;  // 0 or 1
   SamplerDesc sampler;
   UvTransform transform;
+
+  bool operator==(const TextureSlot&) const = default;
 };
 
 struct Material {

@@ -122,13 +122,19 @@ RenderSpec make_spec(const Arguments& arguments, const RenderOptions& options, c
   return spec;
 }
 
-void tell_picture(const EncodedImage& image, const RenderSpec& spec, double total_ms) {
+void tell_begin(const RenderSpec& spec) {
+  const OutputSpec& out = spec.output;
+  if (on_terminal()) {
+    fmt::print(stderr, "drawing {} x {}, {} samples\n", out.width, out.height, out.samples);
+  } else {
+    log::info("render.begin", {{"width", out.width}, {"height", out.height}, {"samples", out.samples}});
+  }
+}
+
+void tell_picture(const EncodedImage& image, double total_ms) {
   const StageTimes& t = image.times;
   if (!on_terminal()) {
-    log::info("render.done", {{"width", spec.output.width},
-                              {"height", spec.output.height},
-                              {"samples", spec.output.samples},
-                              {"bytes", image.bytes.size()},
+    log::info("render.done", {{"bytes", image.bytes.size()},
                               {"total_ms", total_ms},
                               {"queue_ms", t.queue_ms},
                               {"decode_ms", t.decode_ms},
@@ -139,12 +145,11 @@ void tell_picture(const EncodedImage& image, const RenderSpec& spec, double tota
                               {"encode_ms", t.encode_ms}});
     return;
   }
-  fmt::print(
-      stderr,
-      "{} x {}, {} samples, {} bytes in {:.1f} ms: decode {:.1f}, bake {:.1f}, upload {:.1f}, draw {:.1f}, "
-      "read back {:.1f}, encode {:.1f}\n",
-      spec.output.width, spec.output.height, spec.output.samples, image.bytes.size(), total_ms, t.decode_ms,
-      t.bake_ms, t.upload_ms, t.draw_ms, t.readback_ms, t.encode_ms);
+  fmt::print(stderr,
+             "{} bytes in {:.1f} ms: decode {:.1f}, bake {:.1f}, upload {:.1f}, draw {:.1f}, read back "
+             "{:.1f}, encode {:.1f}\n",
+             image.bytes.size(), total_ms, t.decode_ms, t.bake_ms, t.upload_ms, t.draw_ms, t.readback_ms,
+             t.encode_ms);
 }
 
 void tell_notes(const std::vector<Note>& notes) {
@@ -177,11 +182,12 @@ int render(const Arguments& arguments) {
 
   Engine engine(arguments.config, {job.root});
   const RenderSpec spec = make_spec(arguments, options, job, engine.files);
+  tell_begin(spec);
   EncodedImage image;
   for (int i = 0; i < arguments.repeat; ++i) {
     const auto start = Clock::now();
     image = engine.service.render(spec, Deadline(std::chrono::milliseconds(arguments.config.timeout_ms)));
-    tell_picture(image, spec, std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+    tell_picture(image, std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   }
   tell_notes(image.notes);
   write_output(arguments.output, image.bytes);

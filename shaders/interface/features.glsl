@@ -6,7 +6,10 @@
 // FEATURE_ALPHA_BLEND        colour is premultiplied by alpha
 // FEATURE_UNLIT              base colour is the radiance (KHR_materials_unlit, points and lines without normals)
 // FEATURE_NORMAL_MAP         tangent frames and the normal texture are read
-// FEATURE_MATERIAL_MAPS      base colour, metallic-roughness, occlusion and emissive textures are read
+// FEATURE_MATERIAL_MAPS      base colour, metallic-roughness and occlusion textures are read
+// FEATURE_PACKED_OCCLUSION   occlusion is the red channel of the metallic-roughness texture: one fetch for both
+// FEATURE_EMISSIVE_MAP       the emissive texture is read
 // FEATURE_SHARP_REFLECTION   roughness may fall below the first baked level: the environment itself is read too
-// FEATURE_MAGNIFIED          the background shows texels larger than pixels: they are interpolated smoothly
-// FEATURE_MULTISAMPLED       the accumulated frame has several samples a pixel
+// FEATURE_MULTISAMPLED       the frame has several samples a pixel
+// FEATURE_SKY                the environment stands behind the frame
+// FEATURE_MAGNIFIED          its texels are larger than pixels: they are interpolated smoothly

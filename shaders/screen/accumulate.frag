@@ -5,4 +5,4 @@ layout(location = 0) uniform float weight;  // 1 / sub-frames
 layout(location = 0) in vec2 ndc;
 layout(location = 0) out vec4 out_color;
 
-void main() { out_color = frame_pixel(ivec2(gl_FragCoord.xy)) * weight; }
+void main() { out_color = frame_pixel(ivec2(gl_FragCoord.xy), ndc) * weight; }

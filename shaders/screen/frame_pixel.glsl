@@ -1,13 +1,57 @@
-// A pixel of the frame: the mean of its samples.
+// A pixel of the frame: the mean of its samples over the environment behind it. Compositing the background here, once a pixel,
+// is exact (the frame is premultiplied, the mean is linear) and spares writing it to every sample.
+#include "interface/frame_block.glsl"
+#include "lib/sphere.glsl"
+
 #if FEATURE_MULTISAMPLED
 layout(binding = 0) uniform sampler2DMS frame_map;
 
-vec4 frame_pixel(ivec2 at) {
+vec4 frame_samples(ivec2 at) {
   return 0.25 * (texelFetch(frame_map, at, 0) + texelFetch(frame_map, at, 1) + texelFetch(frame_map, at, 2) +
                  texelFetch(frame_map, at, 3));
 }
 #else
 layout(binding = 0) uniform sampler2D frame_map;
 
-vec4 frame_pixel(ivec2 at) { return texelFetch(frame_map, at, 0); }
+vec4 frame_samples(ivec2 at) { return texelFetch(frame_map, at, 0); }
+#endif
+
+#if FEATURE_SKY
+layout(std140, binding = 0) uniform FrameUniform { FrameBlock frame; };
+layout(binding = 5) uniform sampler2D sky_map;
+
+// Sigg and Hadwiger 2005, "Fast Third-Order Texture Filtering": the cubic B-spline, which cannot ring next to a sun, by
+// four bilinear fetches.
+vec3 sky_bicubic(vec2 uv) {
+  vec2 size = vec2(textureSize(sky_map, 0));
+  vec2 at = uv * size - 0.5;
+  vec2 f = fract(at);
+  vec2 base = floor(at);
+  vec2 f2 = f * f;
+  vec2 f3 = f2 * f;
+  vec2 w0 = (1.0 - f) * (1.0 - f) * (1.0 - f) / 6.0;
+  vec2 w1 = (3.0 * f3 - 6.0 * f2 + 4.0) / 6.0;
+  vec2 w3 = f3 / 6.0;
+  vec2 w2 = 1.0 - w0 - w1 - w3;
+  vec2 g0 = w0 + w1;
+  vec2 g1 = w2 + w3;
+  vec2 p0 = (base - 0.5 + w1 / g0) / size;
+  vec2 p1 = (base + 1.5 + w3 / g1) / size;
+  return g0.y * (g0.x * textureLod(sky_map, p0, 0.0).rgb + g1.x * textureLod(sky_map, vec2(p1.x, p0.y), 0.0).rgb) +
+         g1.y * (g0.x * textureLod(sky_map, vec2(p0.x, p1.y), 0.0).rgb + g1.x * textureLod(sky_map, p1, 0.0).rgb);
+}
+
+vec4 frame_pixel(ivec2 at, vec2 ndc) {
+  vec3 direction = normalize(mat3(frame.environment_from_world) * (mat3(frame.world_from_ray) * vec3(ndc, 1.0)));
+  vec2 uv = equirect_from_direction(direction);
+#if FEATURE_MAGNIFIED
+  vec3 sky = sky_bicubic(uv);
+#else
+  vec3 sky = textureLod(sky_map, uv, frame.sky_lod).rgb;
+#endif
+  vec4 pixel = frame_samples(at);
+  return vec4(pixel.rgb + (1.0 - pixel.a) * frame.sky_gain * sky, 1.0);
+}
+#else
+vec4 frame_pixel(ivec2 at, vec2 ndc) { return frame_samples(at); }
 #endif

@@ -10,7 +10,7 @@ layout(location = 0) in vec2 ndc;
 layout(location = 0) out vec4 out_color;
 
 void main() {
-  vec4 pixel = frame_pixel(ivec2(gl_FragCoord.xy));
+  vec4 pixel = frame_pixel(ivec2(gl_FragCoord.xy), ndc);
   float alpha = clamp(pixel.a, 0.0, 1.0);
   if (tone_curve == 2u) {
     out_color = vec4(min(pixel.rgb * exposure, vec3(largest)), alpha);

@@ -68,11 +68,18 @@ Surface read_surface() {
   float roughness = material.perceptual_roughness;
 #if FEATURE_MATERIAL_MAPS
   s.base_color *= texture(base_color_map, slot_uv(SLOT_BASE_COLOR));
+  vec3 packed_map = texture(metallic_roughness_map, slot_uv(SLOT_METALLIC_ROUGHNESS)).rgb;
+  roughness *= packed_map.g;
+  s.metallic *= packed_map.b;
+#if FEATURE_PACKED_OCCLUSION
+  float visible = packed_map.r;
+#else
+  float visible = texture(occlusion_map, slot_uv(SLOT_OCCLUSION)).r;
+#endif
+  s.occlusion += material.occlusion_strength * (visible - 1.0);
+#endif
+#if FEATURE_EMISSIVE_MAP
   s.emissive *= texture(emissive_map, slot_uv(SLOT_EMISSIVE)).rgb;
-  vec2 roughness_metallic = texture(metallic_roughness_map, slot_uv(SLOT_METALLIC_ROUGHNESS)).gb;
-  roughness *= roughness_metallic.x;
-  s.metallic *= roughness_metallic.y;
-  s.occlusion += material.occlusion_strength * (texture(occlusion_map, slot_uv(SLOT_OCCLUSION)).r - 1.0);
 #endif
   s.normal = shading_normal();
   s.to_viewer = to_viewer_world();

@@ -138,13 +138,16 @@ TEST(RenderRequest, LimitsAreTooLargeAndSaySo) {
   RequestLimits small;
   small.max_area_px = 1000;
   small.max_samples = 3;
-  const Error area = refusal("{}", small);
+  const Error area = refusal(R"({"output":{"quality":"reference"}})", small);
   EXPECT_EQ(area.code, ErrorCode::kTooLarge);
   ASSERT_EQ(area.problems.size(), 2u);
   EXPECT_EQ(area.problems[0].pointer, "/output");
   EXPECT_EQ(area.problems[1].pointer, "/output/quality");
   EXPECT_EQ(refusal(R"({"output":{"width":10,"height":10,"samples":4}})", small).pointer, "/output/samples");
   EXPECT_NO_THROW(parse(R"({"output":{"width":10,"height":100,"samples":3}})", small));
+  small = {};
+  small.max_samples = 0;
+  EXPECT_EQ(refusal("{}", small).pointer, "/output/quality") << "the default is told by its name";
 
   RequestLimits short_text;
   short_text.max_json_bytes = 10;

@@ -92,14 +92,16 @@ TEST_F(ObjectsGlTest, CompileErrorNamesShaderFileAndLine) {
 // Every program the frame can ask for links, in every combination of features a material can have.
 TEST_F(ObjectsGlTest, EveryProgramBuilds) {
   ShaderLibrary library({});
-  for (FeatureSet features = 0; features < (1u << 6); ++features) {
+  for (FeatureSet features = 0; features < (1u << 8); ++features) {
     if ((features & kFeatureAlphaMask) && (features & kFeatureAlphaBlend)) continue;
     EXPECT_NO_THROW(build_program(context_, library, {"surface/surface.vert", "surface/surface.frag", features}))
         << features;
   }
-  for (const char* screen : {"screen/background.frag", "screen/accumulate.frag", "screen/resolve.frag"}) {
-    for (const FeatureSet features : {FeatureSet(0), FeatureSet(kFeatureMultisampled)}) {
+  for (const char* screen : {"screen/accumulate.frag", "screen/resolve.frag"}) {
+    for (const FeatureSet sky : {0u, FeatureSet(kFeatureSky), FeatureSet(kFeatureSky | kFeatureMagnified)}) {
+     for (const FeatureSet features : {sky, FeatureSet(sky | kFeatureMultisampled)}) {
       EXPECT_NO_THROW(build_program(context_, library, {"screen/fullscreen.vert", screen, features})) << screen;
+     }
     }
   }
 }

@@ -66,13 +66,16 @@ TEST(ShaderLibrary, FeatureBitsAreTheListOfTheInterface) {
   ShaderLibrary library({});
   const std::vector<std::string> names = library.feature_names();
   const std::pair<FeatureSet, const char*> expected[] = {{kFeatureAlphaMask, "FEATURE_ALPHA_MASK"},
-                                                         {kFeatureAlphaBlend, "FEATURE_ALPHA_BLEND"},
-                                                         {kFeatureUnlit, "FEATURE_UNLIT"},
-                                                         {kFeatureNormalMap, "FEATURE_NORMAL_MAP"},
-                                                         {kFeatureMaterialMaps, "FEATURE_MATERIAL_MAPS"},
-                                                         {kFeatureSharpReflection, "FEATURE_SHARP_REFLECTION"},
-                                                         {kFeatureMagnified, "FEATURE_MAGNIFIED"},
-                                                         {kFeatureMultisampled, "FEATURE_MULTISAMPLED"}};
+{kFeatureAlphaBlend, "FEATURE_ALPHA_BLEND"},
+{kFeatureUnlit, "FEATURE_UNLIT"},
+{kFeatureNormalMap, "FEATURE_NORMAL_MAP"},
+{kFeatureMaterialMaps, "FEATURE_MATERIAL_MAPS"},
+{kFeaturePackedOcclusion, "FEATURE_PACKED_OCCLUSION"},
+{kFeatureEmissiveMap, "FEATURE_EMISSIVE_MAP"},
+{kFeatureSharpReflection, "FEATURE_SHARP_REFLECTION"},
+{kFeatureMultisampled, "FEATURE_MULTISAMPLED"},
+{kFeatureSky, "FEATURE_SKY"},
+{kFeatureMagnified, "FEATURE_MAGNIFIED"}};
   ASSERT_EQ(names.size(), std::size(expected));
   for (std::size_t bit = 0; bit < names.size(); ++bit) {
     EXPECT_EQ(expected[bit].first, FeatureSet(1) << bit);

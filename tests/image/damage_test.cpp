@@ -105,7 +105,7 @@ TEST(Damage, Png) {
                     sample::png(7, 5, sample::noise(7 * 5, 1),
                                 {.color_type = 3,
                                  .interlaced = interlaced,
-                                 .palette = std::string(30, 'x'),
+                                 .palette = std::string(768, 'x'),
                                  .transparency = "abc"}),
                     1500, 3);
   }

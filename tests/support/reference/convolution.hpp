@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "renderer/ibl/octahedral_atlas.hpp"
@@ -58,40 +59,54 @@ inline double prefilter_integral(double alpha) {
 
 // `map`, constant over each texel, prefiltered for a direction, for several alphas at once: double sums over the texels,
 // each cut as finely as the narrowest kernel asks for there, with 2 x 2 Gauss nodes in each part.
-inline std::vector<Rgb> prefilter(const Image& map, Direction d, const std::vector<double>& alphas) {
-  constexpr double kFineness = 0.2;  // part size : distance to the kernel's poles; the rule errs by its 4th power / 5
-  const auto [width, height] = map.extent;
-  const double cell_theta = std::numbers::pi / height, cell_phi = 2 * std::numbers::pi / width;
-  const double narrowest = 2 * *std::min_element(alphas.begin(), alphas.end());
-  std::vector<Rgb> sums(alphas.size(), Rgb{});
-  for (int j = 0; j < height; ++j) {
-    for (int i = 0; i < width; ++i) {
-      const Direction centre = texel_direction(map.extent, i, j);
-      const auto chord2 = [&](double theta, double phi) {  // sin^2 of half the angle to d
-        const double a = std::sin((theta - d.theta) / 2), b = std::sin((phi - d.phi) / 2);
-        return a * a + std::sin(theta) * std::sin(d.theta) * b * b;
-      };
-      const double angle = 2 * std::asin(std::min(1.0, std::sqrt(chord2(centre.theta, centre.phi))));
-      const double distance = std::hypot(std::max(0.0, angle - cell_theta), narrowest);
-      const int parts = std::clamp(static_cast<int>(std::ceil(cell_theta / (kFineness * distance))), 1, 64);
-      const Rgb value = texel_value(map, i, j);
-      for (int part = 0; part < 4 * parts * parts; ++part) {
-        const auto node = [&](int k) { return (k / 2 + 0.5 + (k % 2 ? 0.5 : -0.5) / std::sqrt(3.0)) / parts - 0.5; };
-        const double theta = centre.theta + cell_theta * node(part / (2 * parts));
-        const double phi = centre.phi + cell_phi * node(part % (2 * parts));
-        const double mu = 1 - 2 * chord2(theta, phi);
-        const double solid_angle = cell_theta * cell_phi * std::sin(theta) / (4 * parts * parts);
-        for (std::size_t k = 0; k < alphas.size(); ++k) {
-          const double weight = solid_angle * prefilter_kernel(mu, alphas[k]);
-          for (int c = 0; c < 3; ++c) sums[k][c] += weight * value[c];
+class Prefilter {
+ public:
+  Prefilter(const Image& map, std::vector<double> alphas) : map_(map), alphas_(std::move(alphas)) {
+    for (double alpha : alphas_) integrals_.push_back(prefilter_integral(alpha));
+  }
+
+  std::vector<Rgb> operator()(Direction d) const {
+    constexpr double kFineness = 0.25;  // part size : distance to the kernel's poles; the rule errs by its 4th power / 5
+    const auto [width, height] = map_.extent;
+    const double cell_theta = std::numbers::pi / height, cell_phi = 2 * std::numbers::pi / width;
+    const double narrowest = 2 * *std::min_element(alphas_.begin(), alphas_.end());
+    std::vector<Rgb> sums(alphas_.size(), Rgb{});
+    for (int j = 0; j < height; ++j) {
+      for (int i = 0; i < width; ++i) {
+        const Direction centre = texel_direction(map_.extent, i, j);
+        const double angle = 2 * std::asin(std::min(1.0, std::sqrt(half_chord2(centre, d))));
+        const double distance = std::hypot(std::max(0.0, angle - cell_theta), narrowest);
+        int parts = std::clamp(static_cast<int>(std::ceil(cell_theta / (kFineness * distance))), 1, 64);
+        if (std::abs(std::cos(angle)) < 1.5 * cell_theta) parts = std::max(parts, 16);  // the kernel's kink at mu = 0
+        for (int part = 0; part < 4 * parts * parts; ++part) {
+          const Direction at = {centre.theta + cell_theta * node(part / (2 * parts), parts),
+                                centre.phi + cell_phi * node(part % (2 * parts), parts)};
+          const double solid_angle = cell_theta * cell_phi * std::sin(at.theta) / (4 * parts * parts);
+          add(texel_value(map_, i, j), 1 - 2 * half_chord2(at, d), solid_angle, sums);
         }
       }
     }
+    return sums;
   }
-  for (std::size_t k = 0; k < alphas.size(); ++k)
-    for (double& channel : sums[k]) channel /= prefilter_integral(alphas[k]);
-  return sums;
-}
+
+ private:
+  static double half_chord2(Direction a, Direction b) {  // sin^2 of half the angle between them
+    const double s = std::sin((a.theta - b.theta) / 2), t = std::sin((a.phi - b.phi) / 2);
+    return s * s + std::sin(a.theta) * std::sin(b.theta) * t * t;
+  }
+  static double node(int k, int parts) {
+    return (k / 2 + 0.5 + (k % 2 ? 0.5 : -0.5) / std::sqrt(3.0)) / parts - 0.5;
+  }
+  void add(const Rgb& value, double mu, double solid_angle, std::vector<Rgb>& sums) const {
+    for (std::size_t k = 0; k < alphas_.size(); ++k) {
+      const double weight = solid_angle * prefilter_kernel(mu, alphas_[k]) / integrals_[k];
+      for (int c = 0; c < 3; ++c) sums[k][c] += weight * value[c];
+    }
+  }
+
+  const Image& map_;
+  std::vector<double> alphas_, integrals_;
+};
 
 // What the shader reads from a tile: bilinear.
 inline Rgb read_tile(const OctahedralAtlas& atlas, const AtlasTile& tile, Direction d) {
