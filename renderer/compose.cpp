@@ -61,7 +61,8 @@ Material node_material(const SceneSpec& spec, std::size_t node, std::set<std::st
 }
 
 glm::mat4 world_from_node(const NodeSpec& node) {
-  return glm::scale(glm::translate(glm::mat4(1), node.translation) * glm::mat4_cast(node.rotation), node.scale);
+  return glm::scale(glm::translate(glm::mat4(1), node.translation) * glm::mat4_cast(node.rotation),
+                    node.scale);
 }
 
 void add_node(const SceneSpec& spec, std::size_t index, std::set<std::string>& used, ComposedScene& out) {
@@ -80,7 +81,8 @@ void add_node(const SceneSpec& spec, std::size_t index, std::set<std::string>& u
     const auto fixed = builtin_part_material(mesh.name);
     out.scene.materials.push_back(part > 0 && fixed ? *fixed : node_material(spec, index, used));
     out.scene.instances.push_back(instance);
-    out.mesh_keys.push_back(HashBuilder().add("builtin-mesh").add(node.mesh).add(std::int64_t(part)).finish());
+    out.mesh_keys.push_back(
+        HashBuilder().add("builtin-mesh").add(node.mesh).add(std::int64_t(part)).finish());
     out.scene.meshes.push_back(std::move(mesh));
   }
 }

@@ -56,7 +56,8 @@ float lowest_green_of(const Image& rgba) {
 }
 
 float lowest_green(const Image& rgba) {
-  return rgba.type == SampleType::kUint8 ? lowest_green_of<std::uint8_t>(rgba) : lowest_green_of<std::uint16_t>(rgba);
+  return rgba.type == SampleType::kUint8 ? lowest_green_of<std::uint8_t>(rgba)
+                                         : lowest_green_of<std::uint16_t>(rgba);
 }
 
 Image white_pixel() {
@@ -82,7 +83,8 @@ PreparedPixels prepare_texture(const Blob& encoded, ColorSpace color_space, cons
   } catch (Error& error) {
     error.pointer = pointer;
     if (error.code != ErrorCode::kUnsupportedMedia) throw;
-    return {white_pixel(), 1, Note{"texture-unsupported", pointer, error.message + "; white stands in for it"}};
+    return {white_pixel(), 1,
+            Note{"texture-unsupported", pointer, error.message + "; white stands in for it"}};
   }
 }
 

@@ -29,8 +29,8 @@ struct GlOutcome {
   bool upload_hit = false;
 };
 
-GlOutcome draw_on_gl_thread(RenderWorld& world, const RenderSpec& spec, const Preparation& preparation, const View& view,
-                            int max_tile_px, const Deadline& deadline) {
+GlOutcome draw_on_gl_thread(RenderWorld& world, const RenderSpec& spec, const Preparation& preparation,
+                            const View& view, int max_tile_px, const Deadline& deadline) {
   GlOutcome outcome;
   gl::Context& context = world.context();
   world.programs().poll_sources(context);
@@ -46,7 +46,8 @@ GlOutcome draw_on_gl_thread(RenderWorld& world, const RenderSpec& spec, const Pr
   outcome.upload_hit = !world.residency().uploaded();
 
   const FramePlan plan = plan_frame(spec, context.limits(), max_tile_px);
-  outcome.frame = world.frames().render(world.residency(), plan, view, scene, *preparation.scene.environment, deadline);
+  outcome.frame =
+      world.frames().render(world.residency(), plan, view, scene, *preparation.scene.environment, deadline);
   if (context.lost()) outcome.kind = GlOutcome::Kind::kContextLost;
   return outcome;
 }
@@ -76,7 +77,9 @@ RenderSpec probe_spec() {
 
 }  // namespace
 
-std::string Fingerprint::text() const { return fmt::format("{}; shaders {}; {}", build, shaders, gl); }
+std::string Fingerprint::text() const {
+  return fmt::format("{}; shaders {}; {}", build, shaders, gl);
+}
 
 struct Renderer::State {
   State(const RendererConfig& config, WorkerPool& pool)
@@ -95,7 +98,8 @@ struct Renderer::State {
   gl::Limits limits;
 };
 
-Renderer::Renderer(const RendererConfig& config, WorkerPool& pool) : state_(std::make_unique<State>(config, pool)) {
+Renderer::Renderer(const RendererConfig& config, WorkerPool& pool)
+    : state_(std::make_unique<State>(config, pool)) {
   state_->fingerprint.build = config.build_id;
   state_->gl_thread.call(Deadline(), [&](RenderWorld& world) {
     state_->limits = world.context().limits();
@@ -147,7 +151,11 @@ bool Renderer::probe(const Deadline& deadline) {
   return std::all_of(pixels.begin(), pixels.end(), [](float value) { return std::abs(value - 1) <= 5e-3f; });
 }
 
-const Fingerprint& Renderer::fingerprint() const { return state_->fingerprint; }
-const gl::Limits& Renderer::limits() const { return state_->limits; }
+const Fingerprint& Renderer::fingerprint() const {
+  return state_->fingerprint;
+}
+const gl::Limits& Renderer::limits() const {
+  return state_->limits;
+}
 
 }  // namespace furnace

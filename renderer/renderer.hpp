@@ -19,12 +19,12 @@ class WorkerPool;
 
 struct RendererConfig {
   gl::ContextConfig gl;
-  std::string build_id;                            // of the program, for the fingerprint
-  std::string shader_dir;                          // empty: the shaders in the binary
-  std::int64_t scene_cache_bytes = 256ll << 20;    // parsed scenes
-  std::int64_t bake_cache_bytes = 512ll << 20;     // baked environments, CPU
-  std::int64_t gpu_cache_bytes = 1024ll << 20;     // meshes, textures, environments on the GPU, per context
-  int max_tile_px = 1024;                          // larger pictures are drawn in tiles of this side
+  std::string build_id;                          // of the program, for the fingerprint
+  std::string shader_dir;                        // empty: the shaders in the binary
+  std::int64_t scene_cache_bytes = 256ll << 20;  // parsed scenes
+  std::int64_t bake_cache_bytes = 512ll << 20;   // baked environments, CPU
+  std::int64_t gpu_cache_bytes = 1024ll << 20;   // meshes, textures, environments on the GPU, per context
+  int max_tile_px = 1024;                        // larger pictures are drawn in tiles of this side
   ImportLimits import;
   DecodeLimits texture;
   DecodeLimits environment{8192, 8192ll * 4096};
@@ -46,9 +46,9 @@ struct Film {
 
 // What makes pixels besides the request: part of every ETag.
 struct Fingerprint {
-  std::string build;     // RendererConfig::build_id
-  std::string shaders;   // hash of the shader library
-  std::string gl;        // GL_RENDERER / GL_VERSION
+  std::string build;         // RendererConfig::build_id
+  std::string shaders;       // hash of the shader library
+  std::string gl;            // GL_RENDERER / GL_VERSION
   std::string text() const;  // one line, for the Furnace-Fingerprint header
 };
 

@@ -61,10 +61,12 @@ SceneStore::SceneStore(const RendererConfig& config, WorkerPool& pool, std::shar
       imports_(config.scene_cache_bytes, [](const Scene& scene) { return std::int64_t(scene.byte_size()); }),
       compositions_(config.scene_cache_bytes,
                     [](const ComposedScene& scene) { return std::int64_t(scene.byte_size()); }),
-      environments_(config.bake_cache_bytes,
-                    [](const Environment& environment) { return std::int64_t(environment.prepared.byte_size()); }) {}
+      environments_(config.bake_cache_bytes, [](const Environment& environment) {
+        return std::int64_t(environment.prepared.byte_size());
+      }) {}
 
-std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, const Deadline& deadline, bool& hit) {
+std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, const Deadline& deadline,
+                                                         bool& hit) {
   RenderSpec scene_only;
   scene_only.scene = spec;
   CacheOutcome outcome = CacheOutcome::kLoaded;
@@ -86,7 +88,8 @@ std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, 
   return composed;
 }
 
-void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, std::vector<Note>& notes, bool& hit) {
+void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, std::vector<Note>& notes,
+                                  bool& hit) {
   struct Wanted {
     const SceneImage* image;
     ColorSpace color_space;
@@ -127,7 +130,8 @@ void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, std::v
 }
 
 std::shared_ptr<const SceneStore::Environment> SceneStore::environment(const EnvironmentSpec& spec,
-                                                                       const Deadline& deadline, StageTimes& times) {
+                                                                       const Deadline& deadline,
+                                                                       StageTimes& times) {
   CacheOutcome outcome = CacheOutcome::kLoaded;
   const ContentHash key = environment_key(spec);
   auto environment = environments_.get_or_load(
@@ -140,8 +144,8 @@ std::shared_ptr<const SceneStore::Environment> SceneStore::environment(const Env
           if (const auto* builtin = std::get_if<BuiltinName>(&spec.map)) {
             auto image = builtin_environment(builtin->name);
             if (!image) {
-              fail(ErrorCode::kUnprocessable, fmt::format("there is no built-in environment \"{}\"", builtin->name),
-                   "/environment/map");
+              fail(ErrorCode::kUnprocessable,
+                   fmt::format("there is no built-in environment \"{}\"", builtin->name), "/environment/map");
             }
             radiance = std::move(*image);
           } else if (const auto* file = std::get_if<EnvironmentFile>(&spec.map)) {

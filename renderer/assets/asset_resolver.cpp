@@ -1,15 +1,15 @@
 #include "renderer/assets/asset_resolver.hpp"
 
+#include "renderer/scene/gltf_container.hpp"
+#include "renderer/base/error.hpp"
+#include "renderer/base/file.hpp"
+
 #include <algorithm>
 #include <functional>
 #include <optional>
 #include <string_view>
 #include <system_error>
 #include <utility>
-
-#include "renderer/scene/gltf_container.hpp"
-#include "renderer/base/error.hpp"
-#include "renderer/base/file.hpp"
 
 namespace furnace {
 

@@ -1,15 +1,15 @@
 // References in a request -> bytes. What "part:", "file:" and "asset:" mean is decided here, once, for every door.
 #pragma once
 
+#include "renderer/scene/gltf_import.hpp"
+#include "renderer/base/blob.hpp"
+#include "renderer/base/budget_cache.hpp"
+
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
-
-#include "renderer/base/blob.hpp"
-#include "renderer/base/budget_cache.hpp"
-#include "renderer/scene/gltf_import.hpp"
 
 namespace furnace {
 
@@ -41,7 +41,8 @@ class AssetResolver {
   Blob read(const std::string& reference, const std::string& pointer) const;
   // As read, with the siblings of a .gltf: other parts of the request by name or file name (also by the last path segment), or files
   // beside the document. A missing buffer or image is left out: the importer tells of it.
-  std::shared_ptr<const ModelBundle> read_model(const std::string& reference, const std::string& pointer) const;
+  std::shared_ptr<const ModelBundle> read_model(const std::string& reference,
+                                                const std::string& pointer) const;
 
  private:
   FileAssets* files_;

@@ -1,8 +1,8 @@
 #include "renderer/base/blob.hpp"
 
-#include <utility>
-
 #include "renderer/base/check.hpp"
+
+#include <utility>
 
 namespace furnace {
 

@@ -1,13 +1,13 @@
 // Immutable bytes with their hash: what travels between the doors, the caches and the decoders.
 #pragma once
 
+#include "renderer/base/content_hash.hpp"
+
 #include <cstddef>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
-
-#include "renderer/base/content_hash.hpp"
 
 namespace furnace {
 

@@ -1,6 +1,11 @@
 // A cache bounded by bytes, least recently used out first; equal loads that overlap in time are one load.
 #pragma once
 
+#include "renderer/base/check.hpp"
+#include "renderer/base/content_hash.hpp"
+#include "renderer/base/deadline.hpp"
+#include "renderer/base/error.hpp"
+
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -13,11 +18,6 @@
 #include <type_traits>
 #include <unordered_map>
 #include <utility>
-
-#include "renderer/base/check.hpp"
-#include "renderer/base/content_hash.hpp"
-#include "renderer/base/deadline.hpp"
-#include "renderer/base/error.hpp"
 
 namespace furnace {
 

@@ -1,11 +1,11 @@
 // FURNACE_CHECK: for our own mistakes, in every build. A user's mistake is `fail` (error.hpp).
 #pragma once
 
+#include <fmt/core.h>
+
 #include <cstdio>
 #include <cstdlib>
 #include <string>
-
-#include <fmt/core.h>
 
 namespace furnace::detail {
 

@@ -2,6 +2,10 @@
 // call().
 #pragma once
 
+#include "renderer/base/check.hpp"
+#include "renderer/base/deadline.hpp"
+#include "renderer/base/log.hpp"
+
 #include <pthread.h>
 
 #include <condition_variable>
@@ -17,10 +21,6 @@
 #include <thread>
 #include <type_traits>
 #include <utility>
-
-#include "renderer/base/check.hpp"
-#include "renderer/base/deadline.hpp"
-#include "renderer/base/log.hpp"
 
 namespace furnace {
 

@@ -1,13 +1,13 @@
 #include "renderer/base/content_hash.hpp"
 
+#include "renderer/base/check.hpp"
+
+#include <openssl/evp.h>
+
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
-
-#include <openssl/evp.h>
-
-#include "renderer/base/check.hpp"
 
 namespace furnace {
 

@@ -1,8 +1,8 @@
 #include "renderer/base/deadline.hpp"
 
-#include <string>
-
 #include "renderer/base/error.hpp"
+
+#include <string>
 
 namespace furnace {
 

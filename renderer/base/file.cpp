@@ -1,5 +1,9 @@
 #include "renderer/base/file.hpp"
 
+#include "renderer/base/error.hpp"
+
+#include <fmt/format.h>
+
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -8,10 +12,6 @@
 #include <cerrno>
 #include <system_error>
 #include <utility>
-
-#include <fmt/format.h>
-
-#include "renderer/base/error.hpp"
 
 namespace furnace {
 

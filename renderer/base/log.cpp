@@ -1,11 +1,11 @@
 #include "renderer/base/log.hpp"
 
-#include <cmath>
-#include <memory>
-
 #include <fmt/format.h>
 #include <spdlog/logger.h>
 #include <spdlog/sinks/stdout_sinks.h>
+
+#include <cmath>
+#include <memory>
 
 namespace furnace::log {
 

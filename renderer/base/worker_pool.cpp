@@ -1,5 +1,8 @@
 #include "renderer/base/worker_pool.hpp"
 
+#include "renderer/base/check.hpp"
+#include "renderer/base/log.hpp"
+
 #include <pthread.h>
 
 #include <algorithm>
@@ -12,9 +15,6 @@
 #include <string>
 #include <thread>
 #include <vector>
-
-#include "renderer/base/check.hpp"
-#include "renderer/base/log.hpp"
 
 namespace furnace {
 

@@ -20,18 +20,19 @@ struct Tile {
 
 struct FramePlan {
   Extent picture;
-  std::vector<Tile> tiles;     // cover the picture without overlap, row by row; all but the last of a row equally large
-  Extent tile_size;            // of the largest tile: the size of the render targets
-  int msaa_samples = 1;        // 4, or 1 where the context has no multisampling
+  std::vector<Tile>
+      tiles;         // cover the picture without overlap, row by row; all but the last of a row equally large
+  Extent tile_size;  // of the largest tile: the size of the render targets
+  int msaa_samples = 1;              // 4, or 1 where the context has no multisampling
   std::vector<glm::vec2> jitter_px;  // one offset per sub-frame, in [-0.5, 0.5); the first is 0
   BackgroundKind background = BackgroundKind::kEnvironment;
-  glm::vec4 background_color{0};     // premultiplied linear radiance before exposure; 0 unless kColor
+  glm::vec4 background_color{0};  // premultiplied linear radiance before exposure; 0 unless kColor
   double environment_rotation_rad = 0;
   double environment_intensity = 1;
-  double exposure = 1;               // multiplier
+  double exposure = 1;  // multiplier
   ToneMap tone_map = ToneMap::kPbrNeutral;
   SampleType film_type = SampleType::kUint8;  // kUint8: tone-mapped sRGB; kFloat16/32: linear
-  bool opaque = true;                // no transparent pixel can come out
+  bool opaque = true;                         // no transparent pixel can come out
 };
 
 // Pixels are drawn in tiles of at most `max_tile_px` a side, so that memory does not grow with the picture.

@@ -33,8 +33,9 @@ std::vector<FrameUniform> upload_uniforms(gl::Context& context, const FramePlan&
 FrameRenderer::FrameRenderer(gl::Context& context, gl::ProgramCache& programs)
     : context_(context), programs_(programs), empty_vertex_array_(gl::create_vertex_array(context)) {}
 
-FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, const View& view, const GpuScene& scene,
-                                  const PreparedEnvironment& environment, const Deadline& deadline) {
+FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, const View& view,
+                                  const GpuScene& scene, const PreparedEnvironment& environment,
+                                  const Deadline& deadline) {
   if (!targets_ || !targets_->fits(plan)) {
     targets_.reset();
     targets_ = create_frame_targets(context_, plan);
@@ -48,8 +49,9 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
     for (std::size_t subframe = 0; subframe < uniforms.size(); ++subframe) {
       check_deadline(deadline, "draw");
       glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniforms[subframe].buffer.id());
-      const PassContext pass{context_, programs_, residency,           plan, *targets_,
-                             scene,    tile,      empty_vertex_array_, uniforms[subframe].sky_lod};
+      const PassContext pass{context_, programs_,           residency,
+                             plan,     *targets_,           scene,
+                             tile,     empty_vertex_array_, uniforms[subframe].sky_lod};
       pass_surface_opaque(pass);
       pass_surface_blended(pass);
       pass_accumulate(pass, subframe == 0);

@@ -5,9 +5,12 @@ namespace {
 
 GLenum film_format(SampleType type) {
   switch (type) {
-    case SampleType::kFloat16: return GL_RGBA16F;
-    case SampleType::kFloat32: return GL_RGBA32F;
-    default: return GL_RGBA8;
+    case SampleType::kFloat16:
+      return GL_RGBA16F;
+    case SampleType::kFloat32:
+      return GL_RGBA32F;
+    default:
+      return GL_RGBA8;
   }
 }
 

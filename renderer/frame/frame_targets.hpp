@@ -12,9 +12,9 @@ struct FrameTargets {
   int msaa_samples = 0;
   SampleType film_type = SampleType::kUint8;
 
-  gl::Texture color, depth;      // RGBA32F and depth, multisampled: one sub-frame
-  gl::Texture accumulated;       // RGBA32F: the mean of the sub-frames
-  gl::Texture film;              // what is read back
+  gl::Texture color, depth;  // RGBA32F and depth, multisampled: one sub-frame
+  gl::Texture accumulated;   // RGBA32F: the mean of the sub-frames
+  gl::Texture film;          // what is read back
   gl::Framebuffer draw, accumulate, resolve;
 
   bool fits(const FramePlan& plan) const;

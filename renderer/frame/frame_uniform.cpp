@@ -16,7 +16,8 @@ constexpr double kOrthographicBackgroundFovRad = 0.8;
 
 glm::dmat4 jittered_from_clip(Extent picture, glm::vec2 jitter_px) {
   // Rows grow downwards, clip space upwards.
-  return glm::translate(glm::dmat4(1), glm::dvec3(2.0 * jitter_px.x / picture.width, -2.0 * jitter_px.y / picture.height, 0));
+  return glm::translate(
+      glm::dmat4(1), glm::dvec3(2.0 * jitter_px.x / picture.width, -2.0 * jitter_px.y / picture.height, 0));
 }
 
 // (ndc.x, ndc.y, 1) -> world direction through that point of the picture.
@@ -44,8 +45,8 @@ gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const Prepar
                            std::size_t subframe) {
   const glm::vec2 jitter_px = plan.jitter_px[subframe];
   gpu::FrameBlock block{};
-  block.clip_from_world = glm::mat4(jittered_from_clip(plan.picture, jitter_px) * glm::dmat4(view.clip_from_view) *
-                                    glm::dmat4(view.view_from_world));
+  block.clip_from_world = glm::mat4(jittered_from_clip(plan.picture, jitter_px) *
+                                    glm::dmat4(view.clip_from_view) * glm::dmat4(view.view_from_world));
   block.world_from_ray = glm::mat4(world_from_ray(view, plan, jitter_px));
   block.environment_from_world =
       glm::mat4(glm::rotate(glm::dmat4(1), -plan.environment_rotation_rad, glm::dvec3(0, 1, 0)));
@@ -53,7 +54,8 @@ gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const Prepar
   block.towards_viewer_world = glm::vec4(glm::transpose(glm::mat3(view.view_from_world))[2], 0);
 
   const OctahedralAtlas& atlas = environment.atlas;
-  FURNACE_CHECK(atlas.level_tiles.size() <= std::size(block.level_tiles), "{} levels", atlas.level_tiles.size());
+  FURNACE_CHECK(atlas.level_tiles.size() <= std::size(block.level_tiles), "{} levels",
+                atlas.level_tiles.size());
   for (std::size_t i = 0; i < atlas.level_tiles.size(); ++i) {
     const AtlasTile& tile = atlas.level_tiles[i];
     block.level_tiles[i] = {float(tile.x), float(tile.y), float(tile.inner), float(atlas.level_roughness[i])};

@@ -28,7 +28,9 @@ void draw_screen(const PassContext& pass, const gl::Texture& source) {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-bool is_lone(const FramePlan& plan) { return plan.jitter_px.size() == 1; }
+bool is_lone(const FramePlan& plan) {
+  return plan.jitter_px.size() == 1;
+}
 
 // `composes`: this pass is the first to read the sub-frame, so it averages the samples and puts the sky behind them.
 GLuint screen_program(const PassContext& pass, const char* fragment, bool composes) {

@@ -10,7 +10,8 @@ constexpr GLuint kDrawBinding = 1, kMaterialBinding = 2;
 constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kDfgUnit = 7;
 constexpr GLuint kColorLocation = 5;
 
-constexpr SamplerDesc kSkySampler{Wrap::kRepeat, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear, MipFilter::kLinear};
+constexpr SamplerDesc kSkySampler{Wrap::kRepeat, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
+                                  MipFilter::kLinear};
 constexpr SamplerDesc kTableSampler{Wrap::kClampToEdge, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
                                     MipFilter::kNone};
 
@@ -35,7 +36,8 @@ void bind_environment(const PassContext& pass) {
 void bind_draw(const PassContext& pass, const Draw& draw) {
   const GpuScene& scene = pass.scene;
   const GpuMaterial& material = scene.materials[std::size_t(draw.material)];
-  glUseProgram(pass.programs.request(pass.context, {"surface/surface.vert", "surface/surface.frag", draw.features}));
+  glUseProgram(
+      pass.programs.request(pass.context, {"surface/surface.vert", "surface/surface.frag", draw.features}));
   glBindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, scene.draw_blocks.id(), draw.block * scene.draw_stride,
                     sizeof(gpu::DrawBlock));
   glBindBufferRange(GL_UNIFORM_BUFFER, kMaterialBinding, scene.material_blocks.id(),

@@ -48,21 +48,26 @@ std::vector<std::string> advise(const DoctorReport& report, const std::string& l
                              file_exists("/etc/glvnd/egl_vendor.d/10_nvidia.json");
   if (!hardware && nvidia && !nvidia_vendor) {
     advice.emplace_back(
-        "An NVIDIA GPU is here but its EGL vendor file 10_nvidia.json is not: install the driver's EGL library "
-        "(libnvidia-egl / libnvidia-gl), or in a container run with NVIDIA_DRIVER_CAPABILITIES=graphics,utility.");
+        "An NVIDIA GPU is here but its EGL vendor file 10_nvidia.json is not: install the driver's EGL "
+        "library "
+        "(libnvidia-egl / libnvidia-gl), or in a container run with "
+        "NVIDIA_DRIVER_CAPABILITIES=graphics,utility.");
   }
   if (!hardware && !nvidia && !file_exists("/dev/dri")) {
     advice.emplace_back(
-        "No GPU is visible (no /dev/dri, no NVIDIA driver). In a container pass one with --device /dev/dri or --gpus all; "
+        "No GPU is visible (no /dev/dri, no NVIDIA driver). In a container pass one with --device /dev/dri "
+        "or --gpus all; "
         "without a GPU the software rasteriser serves.");
   }
   if (!hardware && file_exists("/dev/dri/renderD128") && !nvidia) {
     advice.emplace_back(
-        "/dev/dri/renderD128 exists: if its device is listed above as failing, add this user to the group `render` "
+        "/dev/dri/renderD128 exists: if its device is listed above as failing, add this user to the group "
+        "`render` "
         "and install the GPU's Mesa driver.");
   }
   if (!any) {
-    advice.emplace_back("For the software rasteriser install Mesa: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri");
+    advice.emplace_back(
+        "For the software rasteriser install Mesa: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri");
   }
   return advice;
 }
@@ -140,11 +145,21 @@ std::unique_ptr<Context> Context::create(const ContextConfig& config) {
 }
 
 Context::Context(std::unique_ptr<State> state) : state_(std::move(state)) {}
-Context::~Context() { disconnect(state_->connection); }
+Context::~Context() {
+  disconnect(state_->connection);
+}
 
-const Limits& Context::limits() const { return state_->limits; }
-const std::string& Context::renderer() const { return state_->renderer; }
-const std::string& Context::version() const { return state_->version; }
-bool Context::lost() const { return glGetGraphicsResetStatus() != GL_NO_ERROR; }
+const Limits& Context::limits() const {
+  return state_->limits;
+}
+const std::string& Context::renderer() const {
+  return state_->renderer;
+}
+const std::string& Context::version() const {
+  return state_->version;
+}
+bool Context::lost() const {
+  return glGetGraphicsResetStatus() != GL_NO_ERROR;
+}
 
 }  // namespace furnace::gl

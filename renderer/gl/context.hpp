@@ -19,14 +19,14 @@ struct ContextConfig {
 
 // One way to a context that was tried.
 struct DeviceReport {
-  std::string selector;   // what to give as ContextConfig::device: "0", "software"
-  std::string platform;   // "EGL device" or "surfaceless"
-  std::string pci;        // "" when unknown
-  std::string drm_node;   // "" when none
+  std::string selector;                   // what to give as ContextConfig::device: "0", "software"
+  std::string platform;                   // "EGL device" or "surfaceless"
+  std::string pci;                        // "" when unknown
+  std::string drm_node;                   // "" when none
   std::string vendor, renderer, version;  // GL strings, when a context came up
   bool software = false;
   bool usable = false;
-  std::string problem;    // why not usable, and what to do
+  std::string problem;  // why not usable, and what to do
 };
 
 // Everything `furnace doctor` shows: every EGL device and the surfaceless platform, each tried for a context.

@@ -8,7 +8,8 @@
 namespace furnace::gl {
 namespace {
 
-void APIENTRY on_message(GLenum, GLenum type, GLuint, GLenum, GLsizei length, const GLchar* message, const void*) {
+void APIENTRY on_message(GLenum, GLenum type, GLuint, GLenum, GLsizei length, const GLchar* message,
+                         const void*) {
   if (type != GL_DEBUG_TYPE_ERROR && type != GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR) return;
   log::warning("gl.error", {{"message", std::string(message, std::size_t(length < 0 ? 0 : length))}});
 }

@@ -19,7 +19,9 @@ bool has_extension(const char* list, const char* name) {
   return false;
 }
 
-const char* client_extensions() { return eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS); }
+const char* client_extensions() {
+  return eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+}
 
 template <class Function>
 Function egl_function(const char* name) {
@@ -64,11 +66,14 @@ EGLDisplay open_display(const Candidate& candidate) {
 }
 
 EGLContext create_core_context(EGLDisplay display) {
-  constexpr EGLint kConfig[] = {EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
+  constexpr EGLint kConfig[] = {EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
+                                EGL_NONE};
   EGLConfig config = EGL_NO_CONFIG_KHR;
   EGLint count = 0;
-  if (eglChooseConfig(display, kConfig, &config, 1, &count) != EGL_TRUE || count == 0) config = EGL_NO_CONFIG_KHR;
-  const bool robust = has_extension(eglQueryString(display, EGL_EXTENSIONS), "EGL_EXT_create_context_robustness");
+  if (eglChooseConfig(display, kConfig, &config, 1, &count) != EGL_TRUE || count == 0)
+    config = EGL_NO_CONFIG_KHR;
+  const bool robust =
+      has_extension(eglQueryString(display, EGL_EXTENSIONS), "EGL_EXT_create_context_robustness");
   for (const bool with_robustness : {true, false}) {
     if (with_robustness && !robust) continue;
     const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
@@ -92,16 +97,26 @@ EGLContext create_core_context(EGLDisplay display) {
 
 std::string egl_error_name(EGLint error) {
   switch (error) {
-    case EGL_SUCCESS: return "EGL_SUCCESS";
-    case EGL_NOT_INITIALIZED: return "EGL_NOT_INITIALIZED";
-    case EGL_BAD_ACCESS: return "EGL_BAD_ACCESS";
-    case EGL_BAD_ALLOC: return "EGL_BAD_ALLOC";
-    case EGL_BAD_ATTRIBUTE: return "EGL_BAD_ATTRIBUTE";
-    case EGL_BAD_CONFIG: return "EGL_BAD_CONFIG";
-    case EGL_BAD_DISPLAY: return "EGL_BAD_DISPLAY";
-    case EGL_BAD_MATCH: return "EGL_BAD_MATCH";
-    case EGL_BAD_PARAMETER: return "EGL_BAD_PARAMETER";
-    default: return fmt::format("EGL error 0x{:04x}", error);
+    case EGL_SUCCESS:
+      return "EGL_SUCCESS";
+    case EGL_NOT_INITIALIZED:
+      return "EGL_NOT_INITIALIZED";
+    case EGL_BAD_ACCESS:
+      return "EGL_BAD_ACCESS";
+    case EGL_BAD_ALLOC:
+      return "EGL_BAD_ALLOC";
+    case EGL_BAD_ATTRIBUTE:
+      return "EGL_BAD_ATTRIBUTE";
+    case EGL_BAD_CONFIG:
+      return "EGL_BAD_CONFIG";
+    case EGL_BAD_DISPLAY:
+      return "EGL_BAD_DISPLAY";
+    case EGL_BAD_MATCH:
+      return "EGL_BAD_MATCH";
+    case EGL_BAD_PARAMETER:
+      return "EGL_BAD_PARAMETER";
+    default:
+      return fmt::format("EGL error 0x{:04x}", error);
   }
 }
 
@@ -109,7 +124,8 @@ CandidateList list_candidates() {
   CandidateList list;
   const char* extensions = client_extensions();
   std::vector<Candidate> software;
-  if (has_extension(extensions, "EGL_EXT_device_enumeration") || has_extension(extensions, "EGL_EXT_device_base")) {
+  if (has_extension(extensions, "EGL_EXT_device_enumeration") ||
+      has_extension(extensions, "EGL_EXT_device_base")) {
     const auto query_devices = egl_function<PFNEGLQUERYDEVICESEXTPROC>("eglQueryDevicesEXT");
     EGLint count = 0;
     if (query_devices != nullptr && query_devices(0, nullptr, &count) == EGL_TRUE && count > 0) {
@@ -157,7 +173,8 @@ Connection connect(const Candidate& candidate) {
     return connection;
   }
   if (eglMakeCurrent(connection.display, EGL_NO_SURFACE, EGL_NO_SURFACE, connection.context) != EGL_TRUE) {
-    connection.problem = "the context cannot be made current without a surface: " + egl_error_name(eglGetError());
+    connection.problem =
+        "the context cannot be made current without a surface: " + egl_error_name(eglGetError());
     eglDestroyContext(connection.display, connection.context);
     eglTerminate(connection.display);
     connection.context = EGL_NO_CONTEXT;

@@ -5,7 +5,9 @@
 namespace furnace::gl {
 namespace {
 
-void set(GLenum capability, bool on) { on ? glEnable(capability) : glDisable(capability); }
+void set(GLenum capability, bool on) {
+  on ? glEnable(capability) : glDisable(capability);
+}
 
 }  // namespace
 

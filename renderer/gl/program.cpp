@@ -21,7 +21,8 @@ Shader compile(ShaderLibrary& library, GLenum stage, const std::string& path, Fe
   glGetShaderiv(shader.id(), GL_INFO_LOG_LENGTH, &length);
   std::string log(std::size_t(length > 0 ? length : 1), '\0');
   glGetShaderInfoLog(shader.id(), length, nullptr, log.data());
-  fail(ErrorCode::kInternal, fmt::format("shaders/{} does not compile", path), {}, map_driver_log(log, source));
+  fail(ErrorCode::kInternal, fmt::format("shaders/{} does not compile", path), {},
+       map_driver_log(log, source));
 }
 
 }  // namespace
@@ -29,7 +30,8 @@ Shader compile(ShaderLibrary& library, GLenum stage, const std::string& path, Fe
 Program build_program(Context&, ShaderLibrary& library, const ProgramKey& key) {
   const bool is_compute = key.fragment.empty();
   Program program(glCreateProgram());
-  const Shader first = compile(library, is_compute ? GL_COMPUTE_SHADER : GL_VERTEX_SHADER, key.vertex, key.features);
+  const Shader first =
+      compile(library, is_compute ? GL_COMPUTE_SHADER : GL_VERTEX_SHADER, key.vertex, key.features);
   glAttachShader(program.id(), first.id());
   Shader second;
   if (!is_compute) {
@@ -44,7 +46,8 @@ Program build_program(Context&, ShaderLibrary& library, const ProgramKey& key) {
     glGetProgramiv(program.id(), GL_INFO_LOG_LENGTH, &length);
     std::string log(std::size_t(length > 0 ? length : 1), '\0');
     glGetProgramInfoLog(program.id(), length, nullptr, log.data());
-    fail(ErrorCode::kInternal, fmt::format("shaders/{} and {} do not link", key.vertex, key.fragment), {}, log);
+    fail(ErrorCode::kInternal, fmt::format("shaders/{} and {} do not link", key.vertex, key.fragment), {},
+         log);
   }
   glDetachShader(program.id(), first.id());
   if (second) glDetachShader(program.id(), second.id());

@@ -11,7 +11,7 @@
 namespace furnace::gl {
 
 struct ProgramKey {
-  std::string vertex;    // path of the vertex shader, or of the compute shader when `fragment` is empty
+  std::string vertex;  // path of the vertex shader, or of the compute shader when `fragment` is empty
   std::string fragment;
   FeatureSet features = 0;
 

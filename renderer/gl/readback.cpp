@@ -5,10 +5,14 @@ namespace {
 
 GLenum transfer_type(SampleType type) {
   switch (type) {
-    case SampleType::kUint8: return GL_UNSIGNED_BYTE;
-    case SampleType::kUint16: return GL_UNSIGNED_SHORT;
-    case SampleType::kFloat16: return GL_HALF_FLOAT;
-    case SampleType::kFloat32: return GL_FLOAT;
+    case SampleType::kUint8:
+      return GL_UNSIGNED_BYTE;
+    case SampleType::kUint16:
+      return GL_UNSIGNED_SHORT;
+    case SampleType::kFloat16:
+      return GL_HALF_FLOAT;
+    case SampleType::kFloat32:
+      return GL_FLOAT;
   }
   return GL_FLOAT;
 }

@@ -22,7 +22,8 @@ std::vector<std::string> feature_tokens(const std::string& line) {
   static const std::regex kToken("\\bFEATURE_\\w*");
   std::vector<std::string> tokens;
   if (line.find("FEATURE_") == std::string::npos) return tokens;
-  for (std::sregex_iterator at(line.begin(), line.end(), kToken), end; at != end; ++at) tokens.push_back(at->str());
+  for (std::sregex_iterator at(line.begin(), line.end(), kToken), end; at != end; ++at)
+    tokens.push_back(at->str());
   return tokens;
 }
 
@@ -71,7 +72,8 @@ const std::string& ShaderLibrary::source(const std::string& path) {
     source.text = std::string(*text);
   } else {
     std::ifstream file(directory_ / path, std::ios::binary);
-    if (!file) fail(ErrorCode::kInternal, fmt::format("cannot read the shader {}", (directory_ / path).string()));
+    if (!file)
+      fail(ErrorCode::kInternal, fmt::format("cannot read the shader {}", (directory_ / path).string()));
     std::ostringstream text;
     text << file.rdbuf();
     source.text = text.str();
@@ -91,10 +93,12 @@ std::vector<std::string> ShaderLibrary::feature_names() {
   return names;
 }
 
-void ShaderLibrary::append(const std::string& path, std::vector<std::string>& chain, std::vector<std::string>& done,
-                           const std::vector<std::string>& features, ExpandedShader& out) {
+void ShaderLibrary::append(const std::string& path, std::vector<std::string>& chain,
+                           std::vector<std::string>& done, const std::vector<std::string>& features,
+                           ExpandedShader& out) {
   if (std::find(chain.begin(), chain.end(), path) != chain.end()) {
-    fail(ErrorCode::kInternal, fmt::format("shader includes form a cycle: {} -> {}", fmt::join(chain, " -> "), path));
+    fail(ErrorCode::kInternal,
+         fmt::format("shader includes form a cycle: {} -> {}", fmt::join(chain, " -> "), path));
   }
   if (std::find(done.begin(), done.end(), path) != done.end()) return;
   chain.push_back(path);

@@ -24,7 +24,8 @@ Format format_of(const Image& image) {
   constexpr GLenum kType[] = {GL_UNSIGNED_BYTE, GL_UNSIGNED_SHORT, GL_HALF_FLOAT, GL_FLOAT};
   const auto type = std::size_t(image.type);
   const auto channel = std::size_t(image.channels - 1);
-  const bool srgb = image.color_space == ColorSpace::kSrgb && image.type == SampleType::kUint8 && image.channels == 4;
+  const bool srgb =
+      image.color_space == ColorSpace::kSrgb && image.type == SampleType::kUint8 && image.channels == 4;
   return {srgb ? GLenum(GL_SRGB8_ALPHA8) : kInternal[type][channel], kTransfer[channel], kType[type]};
 }
 
@@ -36,9 +37,12 @@ void check_memory(const char* what) {
 
 GLint wrap_mode(Wrap wrap) {
   switch (wrap) {
-    case Wrap::kRepeat: return GL_REPEAT;
-    case Wrap::kMirroredRepeat: return GL_MIRRORED_REPEAT;
-    case Wrap::kClampToEdge: return GL_CLAMP_TO_EDGE;
+    case Wrap::kRepeat:
+      return GL_REPEAT;
+    case Wrap::kMirroredRepeat:
+      return GL_MIRRORED_REPEAT;
+    case Wrap::kClampToEdge:
+      return GL_CLAMP_TO_EDGE;
   }
   return GL_REPEAT;
 }
@@ -46,9 +50,12 @@ GLint wrap_mode(Wrap wrap) {
 GLint min_filter(const SamplerDesc& desc) {
   const bool linear = desc.min == Filter::kLinear;
   switch (desc.mip) {
-    case MipFilter::kNone: return linear ? GL_LINEAR : GL_NEAREST;
-    case MipFilter::kNearest: return linear ? GL_LINEAR_MIPMAP_NEAREST : GL_NEAREST_MIPMAP_NEAREST;
-    case MipFilter::kLinear: return linear ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST_MIPMAP_LINEAR;
+    case MipFilter::kNone:
+      return linear ? GL_LINEAR : GL_NEAREST;
+    case MipFilter::kNearest:
+      return linear ? GL_LINEAR_MIPMAP_NEAREST : GL_NEAREST_MIPMAP_NEAREST;
+    case MipFilter::kLinear:
+      return linear ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST_MIPMAP_LINEAR;
   }
   return GL_LINEAR;
 }
@@ -62,8 +69,9 @@ int mip_levels(Extent extent) {
 Texture create_texture(Context& context, GLenum internal_format, Extent extent, int levels) {
   const int limit = context.limits().max_texture_px;
   if (extent.width > limit || extent.height > limit) {
-    fail(ErrorCode::kTooLarge, "a texture of " + std::to_string(extent.width) + "x" + std::to_string(extent.height) +
-                                   " px exceeds this GPU's limit of " + std::to_string(limit) + " px a side");
+    fail(ErrorCode::kTooLarge, "a texture of " + std::to_string(extent.width) + "x" +
+                                   std::to_string(extent.height) + " px exceeds this GPU's limit of " +
+                                   std::to_string(limit) + " px a side");
   }
   GLuint id = 0;
   glCreateTextures(GL_TEXTURE_2D, 1, &id);
@@ -78,8 +86,8 @@ Texture upload_texture(Context& context, const Image& image, bool mipmapped) {
   Texture texture =
       create_texture(context, format.internal, image.extent, mipmapped ? mip_levels(image.extent) : 1);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTextureSubImage2D(texture.id(), 0, 0, 0, image.extent.width, image.extent.height, format.transfer, format.type,
-                      image.pixels.data());
+  glTextureSubImage2D(texture.id(), 0, 0, 0, image.extent.width, image.extent.height, format.transfer,
+                      format.type, image.pixels.data());
   if (mipmapped) glGenerateTextureMipmap(texture.id());
   check_memory("a texture");
   return texture;

@@ -24,8 +24,8 @@ namespace {
 constexpr double kSharpBelow = 0.125;
 constexpr std::size_t kSmoothLevels = 3;  // the first ones above it carry the tails of the sharp ones
 constexpr int kBands = 512;
-constexpr int kFewestRows = 512;          // of the working map
-constexpr double kCutOff = 3e-5;          // sufficient_bands of a level,
+constexpr int kFewestRows = 512;            // of the working map
+constexpr double kCutOff = 3e-5;            // sufficient_bands of a level,
 constexpr double kIrradianceCutOff = 2e-5;  // and of the irradiance
 
 // A map of few texels, each cut into equal ones: the same piecewise constant function on a finer grid.
@@ -101,8 +101,8 @@ std::shared_ptr<const BakedEnvironment> bake_environment(std::shared_ptr<const I
     check_deadline(deadline, "environment: rough level");
     const bool shared = smooth.size() < kSmoothLevels;
     const int rows = shared ? map_rows : level_rows(alpha, map_rows);
-    RowSpectrum level_spectrum =
-        synthesise(coefficients, table, level_coefficients(alpha, alpha == 1 ? kIrradianceCutOff : kCutOff), rows, pool);
+    RowSpectrum level_spectrum = synthesise(
+        coefficients, table, level_coefficients(alpha, alpha == 1 ? kIrradianceCutOff : kCutOff), rows, pool);
     level.equirect = equirect_of_spectrum(level_spectrum, 2 * rows, pool);
     if (shared) smooth.push_back({GgxKernel(alpha), std::move(level_spectrum)});
   }

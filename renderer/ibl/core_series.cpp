@@ -9,8 +9,9 @@ namespace {
 constexpr double kLogNegligible = 20;  // q^m below e^-20 is dropped
 
 // weight * q^(start + i) (constant + slope * order), order = first, first + direction, ...
-[[gnu::always_inline]] inline void add_powers(Lanes power, double step, Lanes order, double direction, double constant,
-                                              double slope, const Lanes* weight, int blocks, Lanes* out) {
+[[gnu::always_inline]] inline void add_powers(Lanes power, double step, Lanes order, double direction,
+                                              double constant, double slope, const Lanes* weight, int blocks,
+                                              Lanes* out) {
   for (int b = 0; b < blocks; ++b) {
     const Lanes term = power * (Lanes::all(constant) + slope * order);
     out[b] += weight ? weight[b] * term : term;
@@ -44,18 +45,20 @@ CoreSeries core_series(double beta, double theta, double source_theta, double fa
   const double minus = std::sin((theta - source_theta) / 2), plus = std::sin((theta + source_theta) / 2);
   const double low = beta + minus * minus, high = beta + plus * plus;
   const double a = 0.5 * (low + high), b = 0.5 * (high - low), s = std::sqrt(low * high);
-  return {b / (a + s), factor * ((1 + 2 * beta) * a / (s * s * s) - 2 / s), factor * (1 + 2 * beta) / (s * s)};
+  return {b / (a + s), factor * ((1 + 2 * beta) * a / (s * s * s) - 2 / s),
+          factor * (1 + 2 * beta) / (s * s)};
 }
 
 void add_series(const CoreSeries& series, int blocks, Lanes* out) {
   const Powers powers = powers_of(series.q);
-  in_widest_registers([=, &powers, &series]() __attribute__((always_inline)) {
+  in_widest_registers([ =, &powers, &series ]() __attribute__((always_inline)) {
     add_powers(powers.first, powers.eighth, kCount, 1, series.constant, series.slope, nullptr, blocks, out);
   });
 }
 
 // The mean of e^(i m phi) over a texel is sinc(m / width), and sinc(k +- m / width) / sinc(m / width) = +-(-1)^k m / (k width +- m).
-Folding::Folding(int width, int blocks) : width_(width), blocks_(blocks), weights_(std::size_t(2 * kMost) * blocks) {
+Folding::Folding(int width, int blocks)
+    : width_(width), blocks_(blocks), weights_(std::size_t(2 * kMost) * blocks) {
   for (int k = 1; k <= kMost; ++k) {
     const double sign = k % 2 == 0 ? 1 : -1;
     for (int m = 0; m < 8 * blocks; ++m) {
@@ -75,9 +78,11 @@ void add_folded(const CoreSeries& series, const Folding& folding, Lanes* out) {
     const Powers up = powers_of(series.q), down = powers_of(1 / series.q);
     const Lanes first = Lanes::all(double(k) * width);
     const Lanes *above = folding.above(k), *below = folding.below(k);
-    in_widest_registers([=, &up, &down, &first, &series]() __attribute__((always_inline)) {
-      add_powers(start * up.first, up.eighth, first + kCount, 1, series.constant, series.slope, above, blocks, out);
-      add_powers(start * down.first, down.eighth, first - kCount, -1, series.constant, series.slope, below, blocks, out);
+    in_widest_registers([ =, &up, &down, &first, &series ]() __attribute__((always_inline)) {
+      add_powers(start * up.first, up.eighth, first + kCount, 1, series.constant, series.slope, above, blocks,
+                 out);
+      add_powers(start * down.first, down.eighth, first - kCount, -1, series.constant, series.slope, below,
+                 blocks, out);
     });
   }
 }

@@ -64,8 +64,8 @@ struct AzimuthNodes {
 //   = 0.5 (n.l) / ((n.l) sqrt(a2 + (1 - a2) (n.v)^2) + (n.v) sqrt(a2 + (1 - a2) (n.l)^2))
 // goes to 0 with n.l = 2 (v.h) cos(theta_h) - n.v. F is Schlick's (1994, "An Inexpensive BRDF Model for
 // Physically-based Rendering").
-[[gnu::always_inline]] inline void add_rings(const View& view, std::span<const Ring> rings, const AzimuthNodes& azimuth,
-                                             LobeSums& sums) {
+[[gnu::always_inline]] inline void add_rings(const View& view, std::span<const Ring> rings,
+                                             const AzimuthNodes& azimuth, LobeSums& sums) {
   const Lanes cos_v = Lanes::all(view.cos_v), alpha2 = Lanes::all(view.alpha2);
   for (const Ring& ring : rings) {
     for (int k = 0; k < kAzimuthBlocks; ++k) {
@@ -104,29 +104,34 @@ std::vector<QuadratureNode> crowded_nodes(int count) {
   return nodes;
 }
 
-// D cos(theta_h) d omega_h = du d phi / (2 pi) with tan^2(theta_h) = alpha^2 u / (1 - u) (Walter 2007, "Microfacet Models
-// for Refraction through Rough Surfaces"). n.l > 0 limits the azimuth from theta_h = (pi/2 - theta_v) / 2 on and leaves
-// nothing at (pi/2 + theta_v) / 2; the integral is cut there, and the nodes crowd there, since the limit has a root.
+// D cos(theta_h) d omega_h = du d phi / (2 pi) with u = tan^2 / (alpha^2 + tan^2) of theta_h (Walter 2007, "Microfacet
+// Models for Refraction through Rough Surfaces"). From theta_h = (pi/2 - theta_v) / 2 on n.l > 0 limits the azimuth, at
+// (pi/2 + theta_v) / 2 it leaves nothing. Up to the first angle the nodes are even in u; from there to the second in the
+// logarithm of theta_h, since towards grazing views the first is small and all changes within a few times it.
 std::vector<Ring> rings_of(const View& view, const std::vector<QuadratureNode>& polar) {
   const double theta_v = std::acos(view.cos_v);
-  const auto u_of = [&](double theta) {
-    const double tan2 = std::pow(std::tan(theta), 2);
-    return tan2 / (view.alpha2 + tan2);
-  };
-  const double cuts[] = {0, u_of((kPi / 2 - theta_v) / 2), u_of((kPi / 2 + theta_v) / 2)};
+  const double first = (kPi / 2 - theta_v) / 2, second = (kPi / 2 + theta_v) / 2;
   std::vector<Ring> rings;
-  for (int part = 0; part < 2; ++part) {
-    for (const QuadratureNode& node : polar) {
-      const double u = cuts[part] + (cuts[part + 1] - cuts[part]) * node.x;
-      const double tan2 = view.alpha2 * u / (1 - u);
-      Ring ring;
-      ring.cos_h = 1 / std::sqrt(1 + tan2);
-      ring.sin_h = std::sqrt(tan2) * ring.cos_h;
-      ring.weight = node.weight * (cuts[part + 1] - cuts[part]) / (2 * kPi);
-      const double limit = view.cos_v * (0.5 / ring.cos_h - ring.cos_h) / (view.sin_v * ring.sin_h);  // of cos(phi)
-      ring.end = limit <= -1 ? kPi : limit >= 1 ? 0 : std::acos(limit);
-      rings.push_back(ring);
-    }
+  const auto add = [&](double tan2, double du) {
+    Ring ring;
+    ring.cos_h = 1 / std::sqrt(1 + tan2);
+    ring.sin_h = std::sqrt(tan2) * ring.cos_h;
+    ring.weight = du / (2 * kPi);
+    const double limit =
+        view.cos_v * (0.5 / ring.cos_h - ring.cos_h) / (view.sin_v * ring.sin_h);  // of cos(phi)
+    ring.end = limit <= -1 ? kPi : limit >= 1 ? 0 : std::acos(limit);
+    rings.push_back(ring);
+  };
+  const double tan2_first = std::pow(std::tan(first), 2), u_first = tan2_first / (view.alpha2 + tan2_first);
+  for (const QuadratureNode& node : polar) {
+    const double u = u_first * node.x;
+    add(view.alpha2 * u / (1 - u), u_first * node.weight);
+  }
+  for (const QuadratureNode& node : polar) {
+    const double theta = first * std::pow(second / first, node.x), tangent = std::tan(theta),
+                 tan2 = tangent * tangent;
+    const double du_dtheta = 2 * tangent * (1 + tan2) * view.alpha2 / std::pow(view.alpha2 + tan2, 2);
+    add(tan2, node.weight * std::log(second / first) * theta * du_dtheta);
   }
   return rings;
 }

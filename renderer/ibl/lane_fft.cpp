@@ -123,8 +123,8 @@ LaneFft::LaneFft(int n) : n_(n) {
 void LaneFft::transform(Lanes* re, Lanes* im, Lanes* work) const {
   Lanes *in_re = re, *in_im = im, *out_re = work, *out_im = work + n_;
   for (const Stage& stage : stages_) {
-    const Pass pass{stage.groups,     stage.stride, stage.cos.data(), stage.sin.data(),
-                    in_re, in_im, out_re,       out_im};
+    const Pass pass{stage.groups, stage.stride, stage.cos.data(), stage.sin.data(),
+                    in_re,        in_im,        out_re,           out_im};
     const int radix = stage.radix;
     const double *root_cos = stage.root_cos.data(), *root_sin = stage.root_sin.data();
     in_widest_registers([=]() __attribute__((always_inline)) {

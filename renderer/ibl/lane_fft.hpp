@@ -23,7 +23,7 @@ class LaneFft {
     int radix = 0;
     int groups = 0;  // transforms of this length are split into `radix` of `groups` elements
     int stride = 0;
-    std::vector<double> cos, sin;  // e^(-i angle) of group p, output j at [p * (radix - 1) + j - 1]
+    std::vector<double> cos, sin;            // e^(-i angle) of group p, output j at [p * (radix - 1) + j - 1]
     std::vector<double> root_cos, root_sin;  // e^(-2 pi i j / radix), for radices without their own butterfly
   };
 

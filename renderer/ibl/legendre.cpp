@@ -28,8 +28,8 @@ struct Walk {
   }
 };
 
-[[gnu::always_inline]] inline void add_to_degrees_body(Recurrence r, Walk walk, const Lanes* even, const Lanes* odd,
-                                                       Lanes* sums, Lanes* scratch) {
+[[gnu::always_inline]] inline void add_to_degrees_body(Recurrence r, Walk walk, const Lanes* even,
+                                                       const Lanes* odd, Lanes* sums, Lanes* scratch) {
   for (int k = 0; k < r.degrees; ++k) {
     if (k > 0) walk.advance(r.step[k], r.back[k]);
     scratch[2 * k] = walk.p_a;
@@ -46,8 +46,8 @@ struct Walk {
   }
 }
 
-[[gnu::always_inline]] inline void sum_degrees_body(Recurrence r, Walk walk, const double* coefficients, Lanes* even,
-                                                    Lanes* odd) {
+[[gnu::always_inline]] inline void sum_degrees_body(Recurrence r, Walk walk, const double* coefficients,
+                                                    Lanes* even, Lanes* odd) {
   constexpr int n = LegendreOrder::kPlanes;
   Lanes even_sum[2 * n] = {}, odd_sum[2 * n] = {};
   for (int k = 0; k < r.degrees; k += 2) {
@@ -129,7 +129,7 @@ void LegendreOrder::add_to_degrees(const RowBlock& a, const RowBlock& b, const L
                                    Lanes* sums, Lanes* scratch) const {
   const Recurrence r{table_.step(m_), table_.back(m_), degrees_};
   const Walk walk{a.cos_theta, b.cos_theta, first_degree(a), first_degree(b), {}, {}};
-  in_widest_registers([=, &walk]() __attribute__((always_inline)) {
+  in_widest_registers([ =, &walk ]() __attribute__((always_inline)) {
     add_to_degrees_body(r, walk, even, odd, sums, scratch);
   });
 }
@@ -138,9 +138,8 @@ void LegendreOrder::sum_degrees(const RowBlock& a, const RowBlock& b, const doub
                                 Lanes* odd) const {
   const Recurrence r{table_.step(m_), table_.back(m_), degrees_};
   const Walk walk{a.cos_theta, b.cos_theta, first_degree(a), first_degree(b), {}, {}};
-  in_widest_registers([=, &walk]() __attribute__((always_inline)) {
-    sum_degrees_body(r, walk, coefficients, even, odd);
-  });
+  in_widest_registers(
+      [ =, &walk ]() __attribute__((always_inline)) { sum_degrees_body(r, walk, coefficients, even, odd); });
 }
 
 }  // namespace furnace

@@ -57,7 +57,8 @@ class LegendreOrder {
 
   // even[plane], odd[plane] (rows in lanes; planes of block a, then of b) = sum over even, odd l - m of
   // p_lm * coefficients[(l - m) * kPlanes + plane].
-  void sum_degrees(const RowBlock& a, const RowBlock& b, const double* coefficients, Lanes* even, Lanes* odd) const;
+  void sum_degrees(const RowBlock& a, const RowBlock& b, const double* coefficients, Lanes* even,
+                   Lanes* odd) const;
 
  private:
   bool negligible(const RowBlock& block) const;

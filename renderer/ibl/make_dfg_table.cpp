@@ -12,8 +12,8 @@ int main(int argc, char** argv) {
   std::fprintf(file, "std::span<const DfgTexel> dfg_table() {\n  static constexpr DfgTexel kTexels[] = {\n");
   for (const furnace::DfgTexel& texel : table.texels) {
     // Hexadecimal: every bit survives.
-    std::fprintf(file, "      {%af, %af, %af, %af},\n", double(texel.scale), double(texel.bias), double(texel.lean_rad),
-                 double(texel.spread));
+    std::fprintf(file, "      {%af, %af, %af, %af},\n", double(texel.scale), double(texel.bias),
+                 double(texel.lean_rad), double(texel.spread));
   }
   std::fprintf(file, "  };\n  return kTexels;\n}\n\n}  // namespace furnace\n");
   return std::fclose(file) == 0 ? 0 : 1;

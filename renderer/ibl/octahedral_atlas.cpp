@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kBorder = 1;  // px
 constexpr int kSmallestTile = 64;
-constexpr double kTexelsPerAlpha = 7;     // side of a tile times alpha: the error of bilinear reading
+constexpr double kTexelsPerAlpha = 7;      // side of a tile times alpha: the error of bilinear reading
 constexpr double kTexelsPerColumn = 0.75;  // side of a tile per column of the HDRI
 constexpr double kKinkTile = 128;
 constexpr int kLargestTile = 1024;
@@ -53,10 +53,13 @@ std::optional<int> place_tiles(const std::vector<AtlasTile*>& tiles, int width) 
 Extent place_tiles(const std::vector<AtlasTile*>& tiles) {
   Extent best;
   const int widest = tiles.front()->inner + 2 * kBorder;
-  for (int width = widest; width <= 3 * widest; width += 8) {
-    const std::optional<int> height = place_tiles(tiles, width);
-    const Extent extent{width, height.value_or(0)};
-    if (height && *height <= 3 * widest && (best.width == 0 || extent.area() < best.area())) best = extent;
+  // Three times the widest tile is enough for the tiles of a large map; a small map's are nearly equal and need more.
+  for (int limit = 3 * widest; best.width == 0; limit += widest) {
+    for (int width = widest; width <= limit; width += 8) {
+      const std::optional<int> height = place_tiles(tiles, width);
+      const Extent extent{width, height.value_or(0)};
+      if (height && *height <= limit && (best.width == 0 || extent.area() < best.area())) best = extent;
+    }
   }
   place_tiles(tiles, best.width);
   return best;
@@ -67,11 +70,13 @@ float largest_sample(const Image& image) {
   return *std::max_element(samples.begin(), samples.end());
 }
 
-void store_tile(const std::vector<Quad>& texels, const AtlasTile& tile, double scale, Image& atlas, WorkerPool& pool) {
+void store_tile(const std::vector<Quad>& texels, const AtlasTile& tile, double scale, Image& atlas,
+                WorkerPool& pool) {
   const int inner = tile.inner;
   const float factor = static_cast<float>(scale);
   const auto row_of = [&](int j) {
-    return atlas.samples<std::uint16_t>().subspan((std::size_t(tile.y + j) * atlas.extent.width + tile.x) * 4);
+    return atlas.samples<std::uint16_t>().subspan((std::size_t(tile.y + j) * atlas.extent.width + tile.x) *
+                                                  4);
   };
   pool.parallel_for(inner, kTexelCost_us * inner, [&](std::size_t row) {
     const Quad* in = texels.data() + row * inner;
@@ -135,7 +140,8 @@ OctahedralAtlas make_octahedral_atlas(const BakedEnvironment& baked, WorkerPool&
 
   std::vector<AtlasTile*> tiles = {&atlas.irradiance_tile};
   for (AtlasTile& tile : atlas.level_tiles) tiles.push_back(&tile);
-  std::stable_sort(tiles.begin(), tiles.end(), [](const AtlasTile* a, const AtlasTile* b) { return a->inner > b->inner; });
+  std::stable_sort(tiles.begin(), tiles.end(),
+                   [](const AtlasTile* a, const AtlasTile* b) { return a->inner > b->inner; });
   atlas.texels = make_image(place_tiles(tiles), 4, SampleType::kFloat16, ColorSpace::kLinear);
 
   TileResampler resampler(pool);

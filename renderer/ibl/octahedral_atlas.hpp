@@ -17,8 +17,8 @@ struct AtlasTile {
 
 // Threads: a value. Owns: its pixels.
 struct OctahedralAtlas {
-  Image texels;                       // RGBA kFloat16, alpha 1: stored = radiance * scale
-  double scale = 1;                   // power of two such that the peak of all tiles fits a half float; shader divides
+  Image texels;      // RGBA kFloat16, alpha 1: stored = radiance * scale
+  double scale = 1;  // power of two such that the peak of all tiles fits a half float; shader divides
   std::vector<double> level_roughness;  // of tiles[i], from the first level above 0 up to 1
   std::vector<AtlasTile> level_tiles;
   AtlasTile irradiance_tile;

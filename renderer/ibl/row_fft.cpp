@@ -13,7 +13,9 @@ constexpr double kPi = std::numbers::pi;
 struct Planes {
   Lanes re[3], im[3];
 
-  [[gnu::always_inline]] void load(Lanes* const* rows, int m) { load(const_cast<const Lanes* const*>(rows), m); }
+  [[gnu::always_inline]] void load(Lanes* const* rows, int m) {
+    load(const_cast<const Lanes* const*>(rows), m);
+  }
   [[gnu::always_inline]] void load(const Lanes* const* rows, int m) {
     Lanes block[8];
     for (int r = 0; r < 8; ++r) block[r] = rows[r][m];
@@ -38,7 +40,8 @@ struct Colours {
   Lanes *re[3], *im[3];
 };
 
-[[gnu::always_inline]] inline void gather_texels(const RowPairs<const float>& texels, int width, const Colours& out) {
+[[gnu::always_inline]] inline void gather_texels(const RowPairs<const float>& texels, int width,
+                                                 const Colours& out) {
   for (int i = 0; i < width; ++i) {
     for (int c = 0; c < 3; ++c) {
       double* re = reinterpret_cast<double*>(out.re[c] + i);
@@ -57,7 +60,8 @@ typedef float Floats __attribute__((vector_size(32)));
   __builtin_memcpy(out, &clamped, sizeof(clamped));
 }
 
-[[gnu::always_inline]] inline void scatter_texels(const Colours& in, int width, const RowPairs<float>& texels) {
+[[gnu::always_inline]] inline void scatter_texels(const Colours& in, int width,
+                                                  const RowPairs<float>& texels) {
   for (int i = 0; i < width; ++i) {
     float north[3][8], south[3][8];
     for (int c = 0; c < 3; ++c) {
@@ -72,8 +76,8 @@ typedef float Floats __attribute__((vector_size(32)));
 }
 
 // z = n + i s, w = conj(z of -m): n = (z + w) / 2, s = (z - w) / 2i
-[[gnu::always_inline]] inline void split_pairs(const Colours& in, int width, const double* cos, const double* sin,
-                                               const RowPairs<Lanes>& spectra) {
+[[gnu::always_inline]] inline void split_pairs(const Colours& in, int width, const double* cos,
+                                               const double* sin, const RowPairs<Lanes>& spectra) {
   for (int m = 0; m <= width / 2; ++m) {
     const int mirror = m == 0 ? 0 : width - m;
     Planes north, south;
@@ -133,11 +137,12 @@ void RowFft::spectra_of_texels(const RowPairs<const float>& texels, const RowPai
   in_widest_registers([=]() __attribute__((always_inline)) { gather_texels(texels, width, colours); });
   for (int c = 0; c < 3; ++c) fft_.transform(colours.re[c], colours.im[c], scratch.work.data());
   const double *cos = box_cos_.data(), *sin = box_sin_.data();
-  in_widest_registers([=]() __attribute__((always_inline)) { split_pairs(colours, width, cos, sin, spectra); });
+  in_widest_registers([=]()
+                          __attribute__((always_inline)) { split_pairs(colours, width, cos, sin, spectra); });
 }
 
-void RowFft::texels_of_spectra(const RowPairs<const Lanes>& spectra, int orders, const RowPairs<float>& texels,
-                               Scratch& scratch) const {
+void RowFft::texels_of_spectra(const RowPairs<const Lanes>& spectra, int orders,
+                               const RowPairs<float>& texels, Scratch& scratch) const {
   prepare(scratch);
   const Colours colours{{scratch.re[0].data(), scratch.re[1].data(), scratch.re[2].data()},
                         {scratch.im[0].data(), scratch.im[1].data(), scratch.im[2].data()}};

@@ -34,7 +34,8 @@ struct Extrapolation {
   std::vector<double> lagrange, weight;
 };
 
-std::vector<Extrapolation> extrapolate(const std::vector<GgxKernel>& kernels, const std::vector<SmoothLevel>& smooth) {
+std::vector<Extrapolation> extrapolate(const std::vector<GgxKernel>& kernels,
+                                       const std::vector<SmoothLevel>& smooth) {
   std::vector<Extrapolation> all;
   for (const GgxKernel& kernel : kernels) {
     Extrapolation e;
@@ -55,7 +56,8 @@ std::vector<Extrapolation> extrapolate(const std::vector<GgxKernel>& kernels, co
 // The sums of all sharp levels on one row and its mirror image.
 class CoreSum {
  public:
-  CoreSum(const RowSpectrum& map, const std::vector<GgxKernel>& kernels, const std::vector<SmoothLevel>& smooth)
+  CoreSum(const RowSpectrum& map, const std::vector<GgxKernel>& kernels,
+          const std::vector<SmoothLevel>& smooth)
       : map_(map),
         kernels_(kernels),
         smooth_(smooth),
@@ -117,14 +119,15 @@ int CoreSum::used_orders(double theta, double source) const {
 
 // out[level][order / 8] = the series of every core, summed over nodes around `centre`; zeros up to the end of the row's
 // neighbours.
-void CoreSum::sum_nodes(double theta, double centre, std::span<const QuadratureNode> nodes, int used, Lanes* out,
-                        Scratch& scratch) const {
+void CoreSum::sum_nodes(double theta, double centre, std::span<const QuadratureNode> nodes, int used,
+                        Lanes* out, Scratch& scratch) const {
   const int used_blocks = (used + 7) / 8;
   const auto sum_series = [&](double beta, double scale, Lanes* sum) {
     std::fill_n(sum, used_blocks, Lanes{});
     for (const QuadratureNode& node : nodes) {
       const double source = centre + node.x;
-      const CoreSeries series = core_series(beta, theta, source, 2 * kPi * node.weight * std::sin(source) * scale);
+      const CoreSeries series =
+          core_series(beta, theta, source, 2 * kPi * node.weight * std::sin(source) * scale);
       add_series(series, used_blocks, sum);
       if (used == map_.orders()) add_folded(series, folding_, sum);
     }
@@ -171,8 +174,10 @@ void CoreSum::fill_series(int i, int first, int last, Scratch& scratch) const {
     // Where a neighbour's series ends, or the reach, there is nothing left that is worth a difference.
     const int before = j > first ? j - 1 : j, after = j < last ? j + 1 : j;
     const int used_blocks = (scratch.used[j - first] + 7) / 8;
-    const int common = std::min({used_blocks, scratch.used[before - first] / 8, scratch.used[after - first] / 8});
-    const std::ptrdiff_t to_before = (before - j) * std::ptrdiff_t(size), to_after = (after - j) * std::ptrdiff_t(size);
+    const int common =
+        std::min({used_blocks, scratch.used[before - first] / 8, scratch.used[after - first] / 8});
+    const std::ptrdiff_t to_before = (before - j) * std::ptrdiff_t(size),
+                         to_after = (after - j) * std::ptrdiff_t(size);
     for (std::size_t l = 0; l < kernels_.size(); ++l) {
       const Lanes* in = here + l * blocks();
       Lanes* out = scratch.integrated.data() + (j - first) * size + l * blocks();
@@ -196,8 +201,8 @@ void CoreSum::convolve(int i, Lanes* const* north, Lanes* const* south, Scratch&
       const int end = std::min(begin + kTile, scratch.used[j - first]);
       const Lanes *north_map = map_.row(j), *south_map = map_.row(rows - 1 - j);
       for (std::size_t l = 0; l < kernels_.size(); ++l) {
-        const double* core =
-            reinterpret_cast<const double*>(scratch.integrated.data() + (j - first) * row_size() + l * blocks());
+        const double* core = reinterpret_cast<const double*>(scratch.integrated.data() +
+                                                             (j - first) * row_size() + l * blocks());
         Lanes *north_sum = north[l], *south_sum = south[l];
         in_widest_registers([=]() __attribute__((always_inline)) {
           for (int m = begin; m < end; ++m) {
@@ -224,7 +229,8 @@ std::vector<Image> convolve_sharp(const RowSpectrum& map, const std::vector<GgxK
 
   using Pairs = RowPairs<Lanes>;
   pool.parallel_for(Pairs::groups(rows), kGroupCost_us, [&](std::size_t group) {
-    const int first = static_cast<int>(group) * Pairs::kCount, last = std::min(first + Pairs::kCount, (rows + 1) / 2);
+    const int first = static_cast<int>(group) * Pairs::kCount,
+              last = std::min(first + Pairs::kCount, (rows + 1) / 2);
     std::vector<RowSpectrum> sums;  // of each level: the group's rows of the north, then of the south
     for (int l = 0; l < count; ++l) sums.emplace_back(2 * Pairs::kCount, orders);
     CoreSum::Scratch scratch;
@@ -242,10 +248,12 @@ std::vector<Image> convolve_sharp(const RowSpectrum& map, const std::vector<GgxK
     for (int l = 0; l < count; ++l) {
       float* texels = images[l].samples<float>().data();
       const auto spectrum_row = [&](int j) {
-        return std::as_const(sums[l]).row(j < rows / 2 + rows % 2 ? j - first : 2 * Pairs::kCount - 1 - (rows - 1 - j - first));
+        return std::as_const(sums[l]).row(
+            j < rows / 2 + rows % 2 ? j - first : 2 * Pairs::kCount - 1 - (rows - 1 - j - first));
       };
       fft.texels_of_spectra({first, rows, spectrum_row}, orders,
-                            {first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }}, fft_scratch);
+                            {first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }},
+                            fft_scratch);
     }
   });
   return images;

@@ -40,12 +40,14 @@ void integrate_cells(Lanes* column, int rows, int m, Lanes* out) {
 // Neighbouring orders are taken together: the spectrum's rows are far apart in memory.
 constexpr int kOrdersAtOnce = 4;
 
-void analyse_orders(const RowSpectrum& spectrum, const LegendreTable& table, const std::vector<RowBlock>& blocks,
-                    int first, int last, HarmonicCoefficients& coefficients) {
+void analyse_orders(const RowSpectrum& spectrum, const LegendreTable& table,
+                    const std::vector<RowBlock>& blocks, int first, int last,
+                    HarmonicCoefficients& coefficients) {
   const int rows = spectrum.rows();
   std::vector<Lanes> padded(std::size_t(rows + 6) * kOrdersAtOnce), column(rows), scratch(2 * table.bands());
   for (int j = 0; j < rows; ++j)
-    for (int m = first; m < last; ++m) padded[std::size_t(m - first) * (rows + 6) + j + 3] = spectrum.row(j)[m];
+    for (int m = first; m < last; ++m)
+      padded[std::size_t(m - first) * (rows + 6) + j + 3] = spectrum.row(j)[m];
 
   for (int m = first; m < last; ++m) {
     integrate_cells(padded.data() + std::size_t(m - first) * (rows + 6) + 3, rows, m, column.data());
@@ -120,12 +122,13 @@ RowSpectrum spectrum_of_equirect(const Image& equirect, WorkerPool& pool) {
   RowSpectrum spectrum(rows, width / 2 + 1);
   const RowFft fft(width);
   const float* texels = equirect.samples<float>().data();
-  pool.parallel_for(RowPairs<Lanes>::groups(rows), kGroupCost_us, [&, width = width, rows = rows](std::size_t group) {
-    RowFft::Scratch scratch;
-    const int first = static_cast<int>(group) * RowPairs<Lanes>::kCount;
-    fft.spectra_of_texels({first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }},
-                          {first, rows, [&](int j) { return spectrum.row(j); }}, scratch);
-  });
+  pool.parallel_for(
+      RowPairs<Lanes>::groups(rows), kGroupCost_us, [&, width = width, rows = rows](std::size_t group) {
+        RowFft::Scratch scratch;
+        const int first = static_cast<int>(group) * RowPairs<Lanes>::kCount;
+        fft.spectra_of_texels({first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }},
+                              {first, rows, [&](int j) { return spectrum.row(j); }}, scratch);
+      });
   return spectrum;
 }
 

@@ -27,9 +27,10 @@ Tap tap_at(double position, int count) {
   const double x = std::clamp(position, -0.5, count - 0.5);
   const int cell = static_cast<int>(std::floor(x));
   const double s = x - cell;
-  return {cell - 1 + kMargin,
-          {static_cast<float>(s * (-0.5 + s * (1 - 0.5 * s))), static_cast<float>(1 + s * s * (-2.5 + 1.5 * s)),
-           static_cast<float>(s * (0.5 + s * (2 - 1.5 * s))), static_cast<float>(s * s * (-0.5 + 0.5 * s))}};
+  return {
+      cell - 1 + kMargin,
+      {static_cast<float>(s * (-0.5 + s * (1 - 0.5 * s))), static_cast<float>(1 + s * s * (-2.5 + 1.5 * s)),
+       static_cast<float>(s * (0.5 + s * (2 - 1.5 * s))), static_cast<float>(s * s * (-0.5 + 0.5 * s))}};
 }
 
 Quad::Vector min(const Quad::Vector& a, const Quad::Vector& b) {
@@ -45,8 +46,8 @@ Quad sample(const Quad* padded, int stride, const Tap& column, const Tap& row) {
   Quad::Vector sum = {};
   for (int b = 0; b < 4; ++b) {
     const Quad* p = window + std::size_t(b) * stride;
-    sum += row.weight[b] * (column.weight[0] * p[0].v + column.weight[1] * p[1].v + column.weight[2] * p[2].v +
-                            column.weight[3] * p[3].v);
+    sum += row.weight[b] * (column.weight[0] * p[0].v + column.weight[1] * p[1].v +
+                            column.weight[2] * p[2].v + column.weight[3] * p[3].v);
   }
   const Quad *upper = window + stride + 1, *lower = upper + stride;
   return {max(sum, 0.5f * min(min(upper[0].v, upper[1].v), min(lower[0].v, lower[1].v)))};

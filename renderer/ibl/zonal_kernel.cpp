@@ -39,7 +39,8 @@ double GgxKernel::operator()(double t) const {
 
 // Panels in theta that double from the peak outwards; in each as many nodes as the fastest Legendre function has half
 // waves, and some for the kernel itself.
-std::vector<double> zonal_coefficients(const std::function<double(double t)>& kernel, double width, int bands) {
+std::vector<double> zonal_coefficients(const std::function<double(double t)>& kernel, double width,
+                                       int bands) {
   std::vector<double> x, weight, p1, p2;
   for (double begin = 0, step = 0.5 * width; begin < kPi / 2; begin += step, step = begin) {
     const double end = begin + step > 0.45 * kPi ? kPi / 2 : begin + step;

@@ -32,7 +32,8 @@ class GgxKernel {
 
 // k_l = 2 pi * integral of kernel P_l over mu, for l < bands; k_0 = 1 for a kernel of integral 1. `kernel` takes
 // t = (1 - mu) / 2 in [0, 1/2]; `width` is the angle (rad) over which it varies near its peak.
-std::vector<double> zonal_coefficients(const std::function<double(double t)>& kernel, double width, int bands);
+std::vector<double> zonal_coefficients(const std::function<double(double t)>& kernel, double width,
+                                       int bands);
 
 // The smallest number of degrees after which what is cut off, for all of the light in one direction, is below `rms` of
 // the mean in root mean square over the sphere: sqrt(sum of (2 l + 1) k_l^2).

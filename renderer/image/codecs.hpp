@@ -2,12 +2,12 @@
 // allocate.
 #pragma once
 
+#include "renderer/image/decode.hpp"
+#include "renderer/image/image.hpp"
+
 #include <cstddef>
 #include <span>
 #include <string_view>
-
-#include "renderer/image/decode.hpp"
-#include "renderer/image/image.hpp"
 
 namespace furnace {
 

@@ -1,16 +1,16 @@
 #include "renderer/image/decode.hpp"
 
+#include "renderer/image/codecs.hpp"
+#include "renderer/base/error.hpp"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
-
-#include <fmt/format.h>
-
-#include "renderer/image/codecs.hpp"
-#include "renderer/base/error.hpp"
 
 namespace furnace {
 

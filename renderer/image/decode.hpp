@@ -1,12 +1,11 @@
-// Encoded bytes -> Image, through OpenImageIO's memory readers; nothing is trusted before the header was
-// checked.
+// Encoded bytes -> Image, one codec per format (codecs.hpp); nothing is trusted before the header was checked.
 #pragma once
+
+#include "renderer/image/image.hpp"
+#include "renderer/base/blob.hpp"
 
 #include <cstdint>
 #include <string_view>
-
-#include "renderer/base/blob.hpp"
-#include "renderer/image/image.hpp"
 
 namespace furnace {
 

@@ -1,11 +1,11 @@
 // Images -> file bytes in memory. Same image, same bytes.
 #pragma once
 
+#include "renderer/image/image.hpp"
+
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "renderer/image/image.hpp"
 
 namespace furnace {
 

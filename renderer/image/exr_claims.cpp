@@ -1,13 +1,13 @@
 #include "renderer/image/exr_claims.hpp"
 
-#include <algorithm>
-#include <cstring>
-#include <string_view>
+#include "renderer/image/codecs.hpp"
+#include "renderer/base/error.hpp"
 
 #include <fmt/format.h>
 
-#include "renderer/image/codecs.hpp"
-#include "renderer/base/error.hpp"
+#include <algorithm>
+#include <cstring>
+#include <string_view>
 
 namespace furnace {
 

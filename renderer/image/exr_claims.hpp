@@ -2,13 +2,13 @@
 // could object.
 #pragma once
 
+#include "renderer/image/decode.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
-
-#include "renderer/image/decode.hpp"
 
 namespace furnace {
 

@@ -1,17 +1,17 @@
-#include <algorithm>
-#include <cstring>
-#include <optional>
-#include <string>
-#include <vector>
+#include "renderer/image/codecs.hpp"
+#include "renderer/image/exr_claims.hpp"
+#include "renderer/base/error.hpp"
 
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
 
-#include "renderer/image/codecs.hpp"
-#include "renderer/image/exr_claims.hpp"
-#include "renderer/base/error.hpp"
+#include <algorithm>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace furnace {
 

@@ -1,5 +1,6 @@
-#include <cstring>
-#include <string>
+#include "renderer/image/encode.hpp"
+#include "renderer/base/check.hpp"
+#include "renderer/base/error.hpp"
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -8,9 +9,8 @@
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStringAttribute.h>
 
-#include "renderer/image/encode.hpp"
-#include "renderer/base/check.hpp"
-#include "renderer/base/error.hpp"
+#include <cstring>
+#include <string>
 
 namespace furnace {
 

@@ -1,14 +1,14 @@
 #include "renderer/image/image.hpp"
 
-#include <bit>
-#include <string>
+#include "renderer/base/check.hpp"
+#include "renderer/base/error.hpp"
 
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
 
-#include "renderer/base/check.hpp"
-#include "renderer/base/error.hpp"
+#include <bit>
+#include <string>
 
 namespace furnace {
 

@@ -1,12 +1,12 @@
-#include <csetjmp>
-#include <cstdio>  // jpeglib.h wants it before itself
-#include <vector>
+#include "renderer/image/codecs.hpp"
+#include "renderer/base/error.hpp"
 
+#include <cstdio>  // jpeglib.h wants it before itself
 #include <jpeglib.h>
 #include <jerror.h>
 
-#include "renderer/image/codecs.hpp"
-#include "renderer/base/error.hpp"
+#include <csetjmp>
+#include <vector>
 
 namespace furnace {
 

@@ -1,17 +1,17 @@
 // PNG (W3C Recommendation, second edition, 2003) over libdeflate: about twice as fast as libpng, whose
 // inflate works in small steps, and textures are most of what a new model costs.
+#include "renderer/image/codecs.hpp"
+#include "renderer/image/png_filter.hpp"
+
+#include <fmt/format.h>
+#include <libdeflate.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
 #include <memory>
 #include <vector>
-
-#include <fmt/format.h>
-#include <libdeflate.h>
-
-#include "renderer/image/codecs.hpp"
-#include "renderer/image/png_filter.hpp"
 
 namespace furnace {
 

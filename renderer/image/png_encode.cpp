@@ -1,15 +1,15 @@
-#include <algorithm>
-#include <array>
-#include <limits>
-#include <span>
+#include "renderer/image/encode.hpp"
+#include "renderer/image/png_filter.hpp"
+#include "renderer/image/png_deflate.hpp"
+#include "renderer/base/check.hpp"
 
 #include <fmt/format.h>
 #include <libdeflate.h>
 
-#include "renderer/image/encode.hpp"
-#include "renderer/image/png_filter.hpp"
-#include "renderer/image/run_deflate.hpp"
-#include "renderer/base/check.hpp"
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <span>
 
 namespace furnace {
 

@@ -1,3 +1,8 @@
+#include "renderer/image/codecs.hpp"
+#include "renderer/base/error.hpp"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -5,11 +10,6 @@
 #include <cstring>
 #include <optional>
 #include <vector>
-
-#include <fmt/format.h>
-
-#include "renderer/image/codecs.hpp"
-#include "renderer/base/error.hpp"
 
 namespace furnace {
 

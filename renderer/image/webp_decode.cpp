@@ -1,7 +1,7 @@
-#include <webp/decode.h>
-
 #include "renderer/image/codecs.hpp"
 #include "renderer/base/error.hpp"
+
+#include <webp/decode.h>
 
 namespace furnace {
 

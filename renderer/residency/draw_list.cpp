@@ -16,7 +16,8 @@ GLintptr aligned(std::size_t size) {
 template <class Block>
 gl::Buffer upload_blocks(gl::Context& context, const std::vector<Block>& blocks, GLintptr stride) {
   std::vector<std::byte> bytes(blocks.size() * std::size_t(stride));
-  for (std::size_t i = 0; i < blocks.size(); ++i) std::memcpy(bytes.data() + i * std::size_t(stride), &blocks[i], sizeof(Block));
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    std::memcpy(bytes.data() + i * std::size_t(stride), &blocks[i], sizeof(Block));
   return gl::create_buffer(context, bytes.data(), bytes.size());
 }
 
@@ -35,7 +36,8 @@ gl::FeatureSet material_features(const Material& material, const GpuTexture* rou
   if (material.emissive_texture) features |= gl::kFeatureEmissiveMap;
   if (material.unlit) return features | gl::kFeatureUnlit;
   if (material.normal_texture) features |= gl::kFeatureNormalMap;
-  const float lowest = material.perceptual_roughness * (roughness_map != nullptr ? roughness_map->lowest_green : 1);
+  const float lowest =
+      material.perceptual_roughness * (roughness_map != nullptr ? roughness_map->lowest_green : 1);
   if (double(lowest) < first_level_roughness) features |= gl::kFeatureSharpReflection;
   return features;
 }
@@ -59,7 +61,8 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
       const auto& slot = material.*gpu::kMaterialSlots[i];
       gpu_material.textures[std::size_t(i)] =
           slot ? textures[std::size_t(slot->image)]->texture.id() : residency.neutral_texture();
-      gpu_material.samplers[std::size_t(i)] = residency.samplers().get(context, slot ? slot->sampler : SamplerDesc{});
+      gpu_material.samplers[std::size_t(i)] =
+          residency.samplers().get(context, slot ? slot->sampler : SamplerDesc{});
     }
     const auto& roughness_slot = material.metallic_roughness_texture;
     const GpuTexture* roughness_map = roughness_slot ? textures[std::size_t(roughness_slot->image)] : nullptr;

@@ -20,9 +20,12 @@ AttributeArray array_of(GLuint location, GLint components, const std::vector<T>&
 
 GLenum primitive_mode(Topology topology) {
   switch (topology) {
-    case Topology::kPoints: return GL_POINTS;
-    case Topology::kLines: return GL_LINES;
-    case Topology::kTriangles: return GL_TRIANGLES;
+    case Topology::kPoints:
+      return GL_POINTS;
+    case Topology::kLines:
+      return GL_LINES;
+    case Topology::kTriangles:
+      return GL_TRIANGLES;
   }
   return GL_TRIANGLES;
 }
@@ -55,7 +58,8 @@ GpuMesh upload_mesh(gl::Context& context, const Mesh& mesh) {
   offset = 0;
   for (const AttributeArray& array : arrays) {
     if (array.count == 0) continue;
-    glVertexArrayVertexBuffer(vao, array.location, gpu.vertices.id(), GLintptr(offset), GLsizei(array.stride));
+    glVertexArrayVertexBuffer(vao, array.location, gpu.vertices.id(), GLintptr(offset),
+                              GLsizei(array.stride));
     offset += array.count * array.stride;
   }
   glVertexArrayElementBuffer(vao, gpu.indices.id());

@@ -1,16 +1,16 @@
 #include "renderer/assets/asset_resolver.hpp"
 
+#include "renderer/base/error.hpp"
+#include "renderer/base/file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <thread>
 #include <vector>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "renderer/base/error.hpp"
-#include "renderer/base/file.hpp"
 
 namespace furnace {
 namespace {

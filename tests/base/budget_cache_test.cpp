@@ -1,14 +1,14 @@
 #include "renderer/base/budget_cache.hpp"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <atomic>
 #include <latch>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace furnace {
 namespace {

@@ -1,15 +1,15 @@
 #include "renderer/base/confined_thread.hpp"
 
+#include "renderer/base/error.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <atomic>
 #include <chrono>
 #include <latch>
 #include <stdexcept>
 #include <vector>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "renderer/base/error.hpp"
 
 namespace furnace {
 namespace {

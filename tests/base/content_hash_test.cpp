@@ -1,13 +1,13 @@
 #include "renderer/base/content_hash.hpp"
 
+#include "renderer/base/blob.hpp"
+
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <limits>
 #include <string>
 #include <unordered_set>
-
-#include <gtest/gtest.h>
-
-#include "renderer/base/blob.hpp"
 
 namespace furnace {
 namespace {

@@ -1,9 +1,9 @@
 #include "renderer/base/deadline.hpp"
 
+#include "renderer/base/error.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include "renderer/base/error.hpp"
 
 namespace furnace {
 namespace {

@@ -1,10 +1,10 @@
 #include "renderer/base/error.hpp"
 
-#include <set>
-#include <string>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <set>
+#include <string>
 
 namespace furnace {
 namespace {

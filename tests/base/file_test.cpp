@@ -1,16 +1,16 @@
 #include "renderer/base/file.hpp"
 
+#include "renderer/base/error.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <fstream>
 #include <thread>
 #include <vector>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "renderer/base/error.hpp"
 
 namespace furnace {
 namespace {

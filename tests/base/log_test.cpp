@@ -1,11 +1,11 @@
 #include "renderer/base/log.hpp"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <limits>
 #include <thread>
 #include <vector>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace furnace {
 namespace {

@@ -1,5 +1,11 @@
 #include "renderer/base/worker_pool.hpp"
 
+#include "renderer/base/error.hpp"
+#include "renderer/base/log.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <atomic>
 #include <latch>
 #include <mutex>
@@ -8,12 +14,6 @@
 #include <string>
 #include <thread>
 #include <vector>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include "renderer/base/error.hpp"
-#include "renderer/base/log.hpp"
 
 namespace furnace {
 namespace {

@@ -31,8 +31,12 @@ struct Subject {
   std::string environment;  // below kData, or empty: the built-in studio
 };
 
-double wall_ms() { return std::chrono::duration<double, std::milli>(Clock::now().time_since_epoch()).count(); }
-double cpu_ms() { return double(std::clock()) * 1000 / CLOCKS_PER_SEC; }
+double wall_ms() {
+  return std::chrono::duration<double, std::milli>(Clock::now().time_since_epoch()).count();
+}
+double cpu_ms() {
+  return double(std::clock()) * 1000 / CLOCKS_PER_SEC;
+}
 
 double peak_rss_mb() {
   rusage usage{};
@@ -51,7 +55,8 @@ RenderSpec spec_of(const Subject& subject, FileAssets& files, int side) {
   } else {
     spec.scene.model = files.read_model(subject.model, "", {});
   }
-  if (!subject.environment.empty()) spec.environment.map = EnvironmentFile{files.read(subject.environment, "")};
+  if (!subject.environment.empty())
+    spec.environment.map = EnvironmentFile{files.read(subject.environment, "")};
   return spec;
 }
 
@@ -68,9 +73,9 @@ struct Row {
 };
 
 void add(StageTimes& sum, const StageTimes& times, double weight) {
-  for (double StageTimes::*stage : {&StageTimes::queue_ms, &StageTimes::decode_ms, &StageTimes::bake_ms,
-                                    &StageTimes::upload_ms, &StageTimes::draw_ms, &StageTimes::readback_ms,
-                                    &StageTimes::encode_ms}) {
+  for (double StageTimes::*stage :
+       {&StageTimes::queue_ms, &StageTimes::decode_ms, &StageTimes::bake_ms, &StageTimes::upload_ms,
+        &StageTimes::draw_ms, &StageTimes::readback_ms, &StageTimes::encode_ms}) {
     sum.*stage += times.*stage * weight;
   }
 }
@@ -111,7 +116,8 @@ Row measure(const Subject& subject, int side) {
 
 // From exec to the file: what a command-line user waits for. The best of three: the disk's cache is warm then.
 double first_picture_ms(const std::string& program, const std::string& arguments) {
-  const std::string command = program + " render " + arguments + " -o /dev/null --format png > /dev/null 2>&1";
+  const std::string command =
+      program + " render " + arguments + " -o /dev/null --format png > /dev/null 2>&1";
   double best = 1e12;
   for (int i = 0; i < 3; ++i) {
     const double start = wall_ms();
@@ -122,19 +128,20 @@ double first_picture_ms(const std::string& program, const std::string& arguments
 }
 
 void print(const std::vector<Row>& rows) {
-  fmt::print("{:<14}{:>6}{:>6} {:>9}{:>9}{:>9}{:>9}{:>9}{:>9}\n", "subject", "px", "", "decode", "bake", "upload", "draw",
-             "readback", "encode");
+  fmt::print("{:<14}{:>6}{:>6} {:>9}{:>9}{:>9}{:>9}{:>9}{:>9}\n", "subject", "px", "", "decode", "bake",
+             "upload", "draw", "readback", "encode");
   for (const Row& row : rows) {
     for (const auto& [label, t] : {std::pair{"cold", row.cold}, std::pair{"warm", row.warm}}) {
-      fmt::print("{:<14}{:>6}{:>6} {:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.2f}{:>9.1f}\n", row.subject, row.side, label,
-                 t.decode_ms, t.bake_ms, t.upload_ms, t.draw_ms, t.readback_ms, t.encode_ms);
+      fmt::print("{:<14}{:>6}{:>6} {:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.2f}{:>9.1f}\n", row.subject, row.side,
+                 label, t.decode_ms, t.bake_ms, t.upload_ms, t.draw_ms, t.readback_ms, t.encode_ms);
     }
   }
-  fmt::print("\n{:<14}{:>6} {:>9}{:>10}{:>10}{:>10}{:>9}{:>13}{:>12}\n", "subject", "px", "cold ms", "warm p50", "warm cpu",
-             "images/s", "kB", "encode/draw", "warm share");
+  fmt::print("\n{:<14}{:>6} {:>9}{:>10}{:>10}{:>10}{:>9}{:>13}{:>12}\n", "subject", "px", "cold ms",
+             "warm p50", "warm cpu", "images/s", "kB", "encode/draw", "warm share");
   for (const Row& row : rows) {
-    fmt::print("{:<14}{:>6} {:>9.0f}{:>10.1f}{:>10.1f}{:>10.1f}{:>9}{:>13.2f}{:>12.3f}\n", row.subject, row.side, row.cold_ms,
-               row.warm_p50_ms, row.warm_cpu_ms, row.per_second, row.bytes / 1000, row.encode_to_draw(), row.warm_share());
+    fmt::print("{:<14}{:>6} {:>9.0f}{:>10.1f}{:>10.1f}{:>10.1f}{:>9}{:>13.2f}{:>12.3f}\n", row.subject,
+               row.side, row.cold_ms, row.warm_p50_ms, row.warm_cpu_ms, row.per_second, row.bytes / 1000,
+               row.encode_to_draw(), row.warm_share());
   }
 }
 
@@ -164,8 +171,10 @@ nlohmann::json json_of(const std::vector<Row>& rows) {
 int run(int argc, char** argv) {
   std::vector<Subject> subjects = {{"shader-ball", "", ""}};
   if (fs::exists(kData / "models")) {
-    subjects.push_back({"WaterBottle", "models/WaterBottle/WaterBottle.gltf", "environments/venice_sunset_1k.hdr"});
-    subjects.push_back({"FlightHelmet", "models/FlightHelmet/FlightHelmet.gltf", "environments/studio_small_03_1k.hdr"});
+    subjects.push_back(
+        {"WaterBottle", "models/WaterBottle/WaterBottle.gltf", "environments/venice_sunset_1k.hdr"});
+    subjects.push_back(
+        {"FlightHelmet", "models/FlightHelmet/FlightHelmet.gltf", "environments/studio_small_03_1k.hdr"});
   } else {
     fmt::print("no shared data beside the project: only built-ins are measured\n");
   }
@@ -179,7 +188,8 @@ int run(int argc, char** argv) {
   fmt::print("\npeak resident memory of all of the above: {:.0f} MB\n", peak_rss_mb());
   const fs::path program = fs::path(argv[0]).parent_path() / ".." / "furnace";
   if (fs::exists(program)) {
-    const std::string request = (fs::temp_directory_path() / fmt::format("furnace_bench_{}.json", getpid())).string();
+    const std::string request =
+        (fs::temp_directory_path() / fmt::format("furnace_bench_{}.json", getpid())).string();
     std::ofstream(request) << "{}";
     report["firstPictureMs"] = first_picture_ms(program.string(), request + " --width 512 --height 512");
     fs::remove(request);
@@ -189,7 +199,8 @@ int run(int argc, char** argv) {
   constexpr std::string_view kOut = "--benchmark_out=";  // as Google Benchmark's programs take it
   for (int i = 1; i < argc; ++i) {
     const std::string_view argument = argv[i];
-    if (argument.starts_with(kOut)) std::ofstream(std::string(argument.substr(kOut.size()))) << report.dump(2) << "\n";
+    if (argument.starts_with(kOut))
+      std::ofstream(std::string(argument.substr(kOut.size()))) << report.dump(2) << "\n";
   }
   return 0;
 }

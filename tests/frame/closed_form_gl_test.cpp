@@ -277,7 +277,9 @@ TEST_F(ClosedFormGlTest, ADeadlineInThePastIsRefused) {
   }
 }
 
-TEST_F(ClosedFormGlTest, ProbeIsWhite) { EXPECT_TRUE(renderer().probe(Deadline())); }
+TEST_F(ClosedFormGlTest, ProbeIsWhite) {
+  EXPECT_TRUE(renderer().probe(Deadline()));
+}
 
 }  // namespace
 }  // namespace furnace

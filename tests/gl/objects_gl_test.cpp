@@ -79,7 +79,8 @@ TEST_F(ObjectsGlTest, SamplersAreMadeOnce) {
 
 TEST_F(ObjectsGlTest, CompileErrorNamesShaderFileAndLine) {
   ShaderLibrary library({});
-  library.add("broken.vert", "#include \"lib/constants.glsl\"\nvoid main() {\n  gl_Position = nonsense;\n}\n");
+  library.add("broken.vert",
+              "#include \"lib/constants.glsl\"\nvoid main() {\n  gl_Position = nonsense;\n}\n");
   library.add("fine.frag", "void main() {}\n");
   try {
     build_program(context_, library, {"broken.vert", "fine.frag", 0});
@@ -94,14 +95,16 @@ TEST_F(ObjectsGlTest, EveryProgramBuilds) {
   ShaderLibrary library({});
   for (FeatureSet features = 0; features < (1u << 8); ++features) {
     if ((features & kFeatureAlphaMask) && (features & kFeatureAlphaBlend)) continue;
-    EXPECT_NO_THROW(build_program(context_, library, {"surface/surface.vert", "surface/surface.frag", features}))
+    EXPECT_NO_THROW(
+        build_program(context_, library, {"surface/surface.vert", "surface/surface.frag", features}))
         << features;
   }
   for (const char* screen : {"screen/accumulate.frag", "screen/resolve.frag"}) {
     for (const FeatureSet sky : {0u, FeatureSet(kFeatureSky), FeatureSet(kFeatureSky | kFeatureMagnified)}) {
-     for (const FeatureSet features : {sky, FeatureSet(sky | kFeatureMultisampled)}) {
-      EXPECT_NO_THROW(build_program(context_, library, {"screen/fullscreen.vert", screen, features})) << screen;
-     }
+      for (const FeatureSet features : {sky, FeatureSet(sky | kFeatureMultisampled)}) {
+        EXPECT_NO_THROW(build_program(context_, library, {"screen/fullscreen.vert", screen, features}))
+            << screen;
+      }
     }
   }
 }
@@ -122,7 +125,8 @@ void expect_layout(GLuint program, const char* block, const std::vector<Member>&
   EXPECT_EQ(std::size_t(value), size) << block;
   glGetProgramResourceiv(program, GL_UNIFORM_BLOCK, index, 1, &count_property, 1, nullptr, &value);
   std::vector<GLint> variables(static_cast<std::size_t>(value));
-  glGetProgramResourceiv(program, GL_UNIFORM_BLOCK, index, 1, &list_property, value, nullptr, variables.data());
+  glGetProgramResourceiv(program, GL_UNIFORM_BLOCK, index, 1, &list_property, value, nullptr,
+                         variables.data());
   std::size_t found = 0;
   for (const GLint variable : variables) {
     char name[128] = {};
@@ -131,7 +135,8 @@ void expect_layout(GLuint program, const char* block, const std::vector<Member>&
     glGetProgramResourceiv(program, GL_UNIFORM, GLuint(variable), 1, &offset_property, 1, nullptr, &value);
     std::string plain = std::string(name).substr(std::string(name).rfind('.') + 1);
     plain = plain.substr(0, plain.find('['));
-    const auto member = std::find_if(members.begin(), members.end(), [&](const Member& m) { return plain == m.name; });
+    const auto member =
+        std::find_if(members.begin(), members.end(), [&](const Member& m) { return plain == m.name; });
     ASSERT_NE(member, members.end()) << name << " is unknown to C++";
     EXPECT_EQ(std::size_t(value), member->offset) << name;
     ++found;
@@ -139,7 +144,10 @@ void expect_layout(GLuint program, const char* block, const std::vector<Member>&
   EXPECT_EQ(found, members.size()) << block;
 }
 
-#define FURNACE_MEMBER(type, member) Member{#member, offsetof(type, member)}
+#define FURNACE_MEMBER(type, member) \
+  Member {                           \
+#member, offsetof(type, member)  \
+  }
 
 TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
   ShaderLibrary library({});
@@ -156,11 +164,12 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
   using gpu::DrawBlock;
   using gpu::FrameBlock;
   using gpu::MaterialBlock;
-  expect_layout(program.id(), "DrawUniform",
-                {FURNACE_MEMBER(DrawBlock, world_from_model), FURNACE_MEMBER(DrawBlock, world_from_model_normal),
-                 FURNACE_MEMBER(DrawBlock, handedness), FURNACE_MEMBER(DrawBlock, pad_0),
-                 FURNACE_MEMBER(DrawBlock, pad_1), FURNACE_MEMBER(DrawBlock, pad_2)},
-                sizeof(DrawBlock));
+  expect_layout(
+      program.id(), "DrawUniform",
+      {FURNACE_MEMBER(DrawBlock, world_from_model), FURNACE_MEMBER(DrawBlock, world_from_model_normal),
+       FURNACE_MEMBER(DrawBlock, handedness), FURNACE_MEMBER(DrawBlock, pad_0),
+       FURNACE_MEMBER(DrawBlock, pad_1), FURNACE_MEMBER(DrawBlock, pad_2)},
+      sizeof(DrawBlock));
   expect_layout(
       program.id(), "MaterialUniform",
       {FURNACE_MEMBER(MaterialBlock, base_color), FURNACE_MEMBER(MaterialBlock, emissive),
@@ -170,16 +179,16 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
        FURNACE_MEMBER(MaterialBlock, uv_sets), FURNACE_MEMBER(MaterialBlock, pad_0),
        FURNACE_MEMBER(MaterialBlock, uv_rows)},
       sizeof(MaterialBlock));
-  expect_layout(
-      program.id(), "FrameUniform",
-      {FURNACE_MEMBER(FrameBlock, clip_from_world), FURNACE_MEMBER(FrameBlock, world_from_ray),
-       FURNACE_MEMBER(FrameBlock, environment_from_world), FURNACE_MEMBER(FrameBlock, eye_world),
-       FURNACE_MEMBER(FrameBlock, towards_viewer_world), FURNACE_MEMBER(FrameBlock, level_tiles), FURNACE_MEMBER(FrameBlock, irradiance_tile),
-       FURNACE_MEMBER(FrameBlock, atlas_texel_u), FURNACE_MEMBER(FrameBlock, atlas_texel_v),
-       FURNACE_MEMBER(FrameBlock, atlas_gain), FURNACE_MEMBER(FrameBlock, sky_gain),
-       FURNACE_MEMBER(FrameBlock, level_count), FURNACE_MEMBER(FrameBlock, sky_lod),
-       FURNACE_MEMBER(FrameBlock, pixel_footprint), FURNACE_MEMBER(FrameBlock, point_size_px)},
-      sizeof(FrameBlock));
+  expect_layout(program.id(), "FrameUniform",
+                {FURNACE_MEMBER(FrameBlock, clip_from_world), FURNACE_MEMBER(FrameBlock, world_from_ray),
+                 FURNACE_MEMBER(FrameBlock, environment_from_world), FURNACE_MEMBER(FrameBlock, eye_world),
+                 FURNACE_MEMBER(FrameBlock, towards_viewer_world), FURNACE_MEMBER(FrameBlock, level_tiles),
+                 FURNACE_MEMBER(FrameBlock, irradiance_tile), FURNACE_MEMBER(FrameBlock, atlas_texel_u),
+                 FURNACE_MEMBER(FrameBlock, atlas_texel_v), FURNACE_MEMBER(FrameBlock, atlas_gain),
+                 FURNACE_MEMBER(FrameBlock, sky_gain), FURNACE_MEMBER(FrameBlock, level_count),
+                 FURNACE_MEMBER(FrameBlock, sky_lod), FURNACE_MEMBER(FrameBlock, pixel_footprint),
+                 FURNACE_MEMBER(FrameBlock, point_size_px)},
+                sizeof(FrameBlock));
 }
 
 }  // namespace

@@ -65,17 +65,18 @@ TEST(ShaderLibrary, DefinesEveryFeatureAsZeroOrOne) {
 TEST(ShaderLibrary, FeatureBitsAreTheListOfTheInterface) {
   ShaderLibrary library({});
   const std::vector<std::string> names = library.feature_names();
-  const std::pair<FeatureSet, const char*> expected[] = {{kFeatureAlphaMask, "FEATURE_ALPHA_MASK"},
-{kFeatureAlphaBlend, "FEATURE_ALPHA_BLEND"},
-{kFeatureUnlit, "FEATURE_UNLIT"},
-{kFeatureNormalMap, "FEATURE_NORMAL_MAP"},
-{kFeatureMaterialMaps, "FEATURE_MATERIAL_MAPS"},
-{kFeaturePackedOcclusion, "FEATURE_PACKED_OCCLUSION"},
-{kFeatureEmissiveMap, "FEATURE_EMISSIVE_MAP"},
-{kFeatureSharpReflection, "FEATURE_SHARP_REFLECTION"},
-{kFeatureMultisampled, "FEATURE_MULTISAMPLED"},
-{kFeatureSky, "FEATURE_SKY"},
-{kFeatureMagnified, "FEATURE_MAGNIFIED"}};
+  const std::pair<FeatureSet, const char*> expected[] = {
+      {kFeatureAlphaMask, "FEATURE_ALPHA_MASK"},
+      {kFeatureAlphaBlend, "FEATURE_ALPHA_BLEND"},
+      {kFeatureUnlit, "FEATURE_UNLIT"},
+      {kFeatureNormalMap, "FEATURE_NORMAL_MAP"},
+      {kFeatureMaterialMaps, "FEATURE_MATERIAL_MAPS"},
+      {kFeaturePackedOcclusion, "FEATURE_PACKED_OCCLUSION"},
+      {kFeatureEmissiveMap, "FEATURE_EMISSIVE_MAP"},
+      {kFeatureSharpReflection, "FEATURE_SHARP_REFLECTION"},
+      {kFeatureMultisampled, "FEATURE_MULTISAMPLED"},
+      {kFeatureSky, "FEATURE_SKY"},
+      {kFeatureMagnified, "FEATURE_MAGNIFIED"}};
   ASSERT_EQ(names.size(), std::size(expected));
   for (std::size_t bit = 0; bit < names.size(); ++bit) {
     EXPECT_EQ(expected[bit].first, FeatureSet(1) << bit);
@@ -102,8 +103,8 @@ TEST(ShaderLibrary, FolderSourcesReloadWhenTheyChange) {
   EXPECT_THAT(library.expand("a.glsl", 0).text, HasSubstr("before"));
   EXPECT_FALSE(library.reload_if_changed());
   write("a.glsl", "float after;\n");
-  std::filesystem::last_write_time(folder / "a.glsl",
-                                   std::filesystem::last_write_time(folder / "a.glsl") + std::chrono::seconds(2));
+  std::filesystem::last_write_time(
+      folder / "a.glsl", std::filesystem::last_write_time(folder / "a.glsl") + std::chrono::seconds(2));
   EXPECT_TRUE(library.reload_if_changed());
   EXPECT_THAT(library.expand("a.glsl", 0).text, HasSubstr("after"));
   std::filesystem::remove_all(folder);

@@ -100,7 +100,8 @@ struct Comparison {
 Comparison compare(const std::string& actual, const std::string& expected, bool exr, double max_difference) {
   Extent size_a, size_b;
   int channels_a = 0, channels_b = 0;
-  const auto a = samples_of(actual, exr, size_a, channels_a), b = samples_of(expected, exr, size_b, channels_b);
+  const auto a = samples_of(actual, exr, size_a, channels_a),
+             b = samples_of(expected, exr, size_b, channels_b);
   Comparison result;
   if (size_a != size_b || channels_a != channels_b) return result;
   result.comparable = true;
@@ -127,7 +128,8 @@ void expect_finite(const std::string& file, bool exr) {
 
 std::vector<std::string> case_names() {
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(kFolder / "cases")) names.push_back(entry.path().stem().string());
+  for (const auto& entry : fs::directory_iterator(kFolder / "cases"))
+    names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -138,7 +140,8 @@ void check_case(const std::string& name) {
   const fs::path case_path = kFolder / "cases" / (name + ".json");
   const nlohmann::json document = nlohmann::json::parse(read_file(case_path.string(), kMaxBytes));
   const std::string request = document.at("request").dump();
-  const bool exr = document["request"].contains("output") && document["request"]["output"].value("format", "png") == "exr";
+  const bool exr =
+      document["request"].contains("output") && document["request"]["output"].value("format", "png") == "exr";
   const fs::path expected_path = kFolder / "expected" / (name + (exr ? ".exr" : ".png"));
 
   const std::string actual = door(kWhole).render(request);
@@ -154,16 +157,18 @@ void check_case(const std::string& name) {
     write_file_atomically(expected_path.string(), actual);
     return;
   }
-  const double max_difference = document["tolerance"]["maxDifference"], max_fraction = document["tolerance"]["maxFraction"];
-  const Comparison result = compare(actual, read_file(expected_path.string(), kMaxBytes), exr, max_difference);
+  const double max_difference = document["tolerance"]["maxDifference"],
+               max_fraction = document["tolerance"]["maxFraction"];
+  const Comparison result =
+      compare(actual, read_file(expected_path.string(), kMaxBytes), exr, max_difference);
   EXPECT_TRUE(result.comparable) << "another size or number of channels";
   EXPECT_LE(result.fraction, max_fraction) << "largest difference " << result.largest;
   if (testing::Test::HasFailure()) {
     const fs::path left = fs::path(testing::TempDir()) / (name + (exr ? ".actual.exr" : ".actual.png"));
     write_file_atomically(left.string(), actual);
-    ADD_FAILURE() << fmt::format("{}\nactual: {}\nreplay: jq .request {} | build/furnace render --determinism exact - -o out{}",
-                                 document.value("description", ""), left.string(), case_path.string(),
-                                 exr ? ".exr" : ".png");
+    ADD_FAILURE() << fmt::format(
+        "{}\nactual: {}\nreplay: jq .request {} | build/furnace render --determinism exact - -o out{}",
+        document.value("description", ""), left.string(), case_path.string(), exr ? ".exr" : ".png");
   }
 }
 

@@ -113,10 +113,11 @@ ErrorCode refusal_of(std::string_view body, const char* type = kType) {
 
 TEST(Multipart, PartsKeepTheirBytes) {
   const std::string bytes("a\0\r\n-b\r\n--", 10);
-  const auto parts = parts_of(
+  const std::string body =
       "--B\r\nContent-Disposition: form-data; name=\"request\"\r\n\r\n{}\r\n"
       "--B\r\nContent-Disposition: form-data; name=\"n\"\r\n\r\n" +
-      bytes + "\r\n--B--\r\nepilogue");
+      bytes + "\r\n--B--\r\nepilogue";
+  const auto parts = parts_of(body);
   ASSERT_EQ(parts.size(), 2u);
   EXPECT_EQ(parts[0].name, "request");
   EXPECT_EQ(parts[0].body, "{}");

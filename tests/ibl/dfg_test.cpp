@@ -25,12 +25,15 @@ TEST(Dfg, AgreesWithSampledVisibleNormals) {
       const double alpha = coordinate(row) * coordinate(row);
       const reference::LobeMoments expected = reference::integrate_lobe(coordinate(column), alpha, 700);
       const DfgTexel& found = texel(column, row);
-      EXPECT_NEAR(found.scale, expected.scale, kTolerance) << "NoV " << coordinate(column) << " alpha " << alpha;
-      EXPECT_NEAR(found.bias, expected.bias, kTolerance) << "NoV " << coordinate(column) << " alpha " << alpha;
+      EXPECT_NEAR(found.scale, expected.scale, kTolerance)
+          << "NoV " << coordinate(column) << " alpha " << alpha;
+      EXPECT_NEAR(found.bias, expected.bias, kTolerance)
+          << "NoV " << coordinate(column) << " alpha " << alpha;
       const double mean_angle = std::atan2(expected.tangent, expected.normal);
       EXPECT_NEAR(found.lean_rad, std::acos(coordinate(column)) - mean_angle, 1e-3)
           << "NoV " << coordinate(column) << " alpha " << alpha;
-      EXPECT_NEAR(found.spread, std::hypot(expected.normal, expected.tangent) / (expected.scale + expected.bias), 5e-4)
+      EXPECT_NEAR(found.spread,
+                  std::hypot(expected.normal, expected.tangent) / (expected.scale + expected.bias), 5e-4)
           << "NoV " << coordinate(column) << " alpha " << alpha;
     }
   }

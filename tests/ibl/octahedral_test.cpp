@@ -81,9 +81,8 @@ TEST(Atlas, KeepsASmoothMapEverywhere) {
 
 TEST(Atlas, BordersContinueTheSphere) {
   WorkerPool pool(1);
-  const BakedEnvironment baked = all_levels(painted({128, 64}, [](double x, double y, double z) {
-    return std::exp(3 * x - 2 * y * z) + 1;
-  }));
+  const BakedEnvironment baked = all_levels(
+      painted({128, 64}, [](double x, double y, double z) { return std::exp(3 * x - 2 * y * z) + 1; }));
   const OctahedralAtlas atlas = make_octahedral_atlas(baked, pool);
   const auto halves = atlas.texels.samples<std::uint16_t>();
   const auto at = [&](const AtlasTile& tile, int i, int j) {
@@ -104,9 +103,8 @@ TEST(Atlas, BordersContinueTheSphere) {
 
 TEST(Atlas, TilesDoNotOverlap) {
   WorkerPool pool(1);
-  const OctahedralAtlas atlas = make_octahedral_atlas(all_levels(painted({1024, 512}, [](double, double, double) {
-                                                        return 1.0;
-                                                      })), pool);
+  const OctahedralAtlas atlas = make_octahedral_atlas(
+      all_levels(painted({1024, 512}, [](double, double, double) { return 1.0; })), pool);
   std::vector<AtlasTile> tiles = atlas.level_tiles;
   tiles.push_back(atlas.irradiance_tile);
   std::vector<int> owners(atlas.texels.extent.area(), 0);
@@ -115,7 +113,8 @@ TEST(Atlas, TilesDoNotOverlap) {
     ASSERT_LT(tile.x + tile.inner, atlas.texels.extent.width);
     ASSERT_LT(tile.y + tile.inner, atlas.texels.extent.height);
     for (int j = -1; j <= tile.inner; ++j)
-      for (int i = -1; i <= tile.inner; ++i) ++owners[std::size_t(tile.y + j) * atlas.texels.extent.width + tile.x + i];
+      for (int i = -1; i <= tile.inner; ++i)
+        ++owners[std::size_t(tile.y + j) * atlas.texels.extent.width + tile.x + i];
   }
   EXPECT_EQ(*std::max_element(owners.begin(), owners.end()), 1);
   EXPECT_LE(atlas.texels.byte_size(), 17'000'000u);  // what a 1k environment may take on the GPU

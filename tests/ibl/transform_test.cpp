@@ -27,7 +27,8 @@ TEST(LaneFft, IsTheFourierSum) {
       for (int lane : {0, 5}) {
         std::complex<double> sum = 0;
         for (int i = 0; i < n; ++i)
-          sum += std::complex(in_re[i][lane], in_im[i][lane]) * std::polar(1.0, -2 * kPi * double(k * i % n) / n);
+          sum += std::complex(in_re[i][lane], in_im[i][lane]) *
+                 std::polar(1.0, -2 * kPi * double(k * i % n) / n);
         EXPECT_NEAR(re[k][lane], sum.real(), 1e-11) << n;
         EXPECT_NEAR(im[k][lane], sum.imag(), 1e-11) << n;
       }
@@ -86,7 +87,8 @@ TEST(CoreSeries, SumsToTheKernel) {
   for (double phi : {0.0, 0.02, 0.3, 2.0}) {
     double sum = 0;
     for (int m = 0; m < 2000; ++m)
-      sum += (m == 0 ? 1 : 2) * std::pow(series.q, m) * (series.constant + series.slope * m) * std::cos(m * phi);
+      sum +=
+          (m == 0 ? 1 : 2) * std::pow(series.q, m) * (series.constant + series.slope * m) * std::cos(m * phi);
     const double mu = std::cos(theta) * std::cos(source) + std::sin(theta) * std::sin(source) * std::cos(phi);
     const double t = (1 - mu) / 2;
     EXPECT_NEAR(sum, 2 * mu / std::pow(t + beta, 2), 1e-7 * 2 / (beta * beta)) << phi;
@@ -98,7 +100,8 @@ TEST(CoreSeries, VectorsHoldTheOrders) {
   std::vector<Lanes> out(4, Lanes{});
   add_series(series, 4, out.data());
   for (int m = 0; m < 32; ++m)
-    EXPECT_NEAR(out[m / 8][m % 8], std::pow(series.q, m) * (series.constant + series.slope * m), 1e-9 * series.constant);
+    EXPECT_NEAR(out[m / 8][m % 8], std::pow(series.q, m) * (series.constant + series.slope * m),
+                1e-9 * series.constant);
 }
 
 // p_lm of a few low degrees in closed form.
@@ -132,7 +135,8 @@ TEST(SphereTransform, FindsSingleModesAndScalesThem) {
     for (int order = 0; order < 4; ++order) {
       for (int degree = order; degree < 16; ++degree) {
         const Lanes found = a.order(order)[degree - order];
-        const double own = degree == l && order == m ? half : 0, constant = degree == 0 ? 2 * std::sqrt(4 * kPi) : 0;
+        const double own = degree == l && order == m ? half : 0,
+                     constant = degree == 0 ? 2 * std::sqrt(4 * kPi) : 0;
         EXPECT_NEAR(found[0], own + constant, 1.5e-3) << l << m << " at " << degree << order;
         EXPECT_NEAR(found[1], 0, 1e-6);
         EXPECT_NEAR(found[3], m == 0 ? 0 : -own, 1.5e-3);
@@ -163,7 +167,8 @@ TEST(SphereTransform, ATexelIsItsAreaNotItsCentre) {
       std::complex<double> sum = 0;
       constexpr int kParts = 200;
       for (int p = 0; p < kParts; ++p) {
-        const double theta = kPi * (row + (p + 0.5) / kParts) / 32, band = kPi / 32 / kParts * std::sin(theta);
+        const double theta = kPi * (row + (p + 0.5) / kParts) / 32,
+                     band = kPi / 32 / kParts * std::sin(theta);
         for (int q = 0; q < kParts; ++q) {
           const double phi = 2 * kPi * (5 + (q + 0.5) / kParts) / 64;
           sum += band * (2 * kPi / 64 / kParts) * mode(l, m, theta) * std::polar(1.0, -m * phi);
@@ -182,8 +187,10 @@ TEST(SphereTransform, OddNumbersOfRows) {
   Image map = make_image({54, 27}, 3, SampleType::kFloat32, ColorSpace::kLinear);
   for (float& sample : map.samples<float>()) sample = 3;
   const HarmonicCoefficients a = analyse(spectrum_of_equirect(map, pool), table, pool);
-  const Image back = equirect_of_spectrum(synthesise(a, table, std::vector<double>(12, 1.0), 9, pool), 18, pool);
-  for (float sample : back.samples<float>()) EXPECT_NEAR(sample, 3, 1e-5);
+  const Image back =
+      equirect_of_spectrum(synthesise(a, table, std::vector<double>(12, 1.0), 9, pool), 18, pool);
+  // The midpoints of 27 rows do not integrate the higher Legendre polynomials of a constant to exactly 0: 1.5e-4 is left.
+  for (float sample : back.samples<float>()) EXPECT_NEAR(sample, 3, 5e-4);
 }
 
 }  // namespace

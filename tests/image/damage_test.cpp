@@ -1,6 +1,8 @@
 // Every truncation and many bit flips of small files: each gives an error or a picture, never a crash. Run it under the
 // sanitizers for its full worth.
-#include <functional>
+#include "tests/image/sample_files.hpp"
+#include "renderer/image/codecs.hpp"
+#include "renderer/image/encode.hpp"
 
 #include <gtest/gtest.h>
 #include <OpenEXR/ImfChannelList.h>
@@ -10,9 +12,7 @@
 #include <OpenEXR/ImfTiledOutputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
 
-#include "renderer/image/codecs.hpp"
-#include "renderer/image/encode.hpp"
-#include "tests/image/sample_files.hpp"
+#include <functional>
 
 namespace furnace {
 namespace {

@@ -1,14 +1,14 @@
-#include <array>
-#include <filesystem>
-#include <limits>
+#include "tests/image/sample_files.hpp"
+#include "renderer/image/codecs.hpp"
+#include "renderer/image/encode.hpp"
+#include "renderer/base/file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "renderer/image/codecs.hpp"
-#include "renderer/image/encode.hpp"
-#include "renderer/base/file.hpp"
-#include "tests/image/sample_files.hpp"
+#include <array>
+#include <filesystem>
+#include <limits>
 
 namespace furnace {
 namespace {

@@ -1,6 +1,6 @@
-#include <cmath>
-#include <functional>
-#include <limits>
+#include "tests/image/sample_files.hpp"
+#include "renderer/image/codecs.hpp"
+#include "renderer/image/encode.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,9 +16,9 @@
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfTiledOutputFile.h>
 
-#include "renderer/image/codecs.hpp"
-#include "renderer/image/encode.hpp"
-#include "tests/image/sample_files.hpp"
+#include <cmath>
+#include <functional>
+#include <limits>
 
 namespace furnace {
 namespace {

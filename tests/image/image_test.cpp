@@ -1,15 +1,15 @@
 #include "renderer/image/image.hpp"
 
+#include "tests/image/sample_files.hpp"
+#include "renderer/image/color.hpp"
+
+#include <gtest/gtest.h>
+
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <random>
 #include <vector>
-
-#include <gtest/gtest.h>
-
-#include "renderer/image/color.hpp"
-#include "tests/image/sample_files.hpp"
 
 namespace furnace {
 namespace {

@@ -1,8 +1,8 @@
+#include "tests/image/sample_files.hpp"
+#include "renderer/image/decode.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include "renderer/image/decode.hpp"
-#include "tests/image/sample_files.hpp"
 
 namespace furnace {
 namespace {

@@ -1,13 +1,13 @@
-#include <cstring>
-#include <map>
+#include "tests/image/sample_files.hpp"
+#include "renderer/image/decode.hpp"
+#include "renderer/image/encode.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include "renderer/image/decode.hpp"
-#include "renderer/image/encode.hpp"
-#include "tests/image/sample_files.hpp"
+#include <cstring>
+#include <map>
 
 namespace furnace {
 namespace {

@@ -1,11 +1,11 @@
-#include <array>
-#include <cmath>
+#include "tests/image/sample_files.hpp"
+#include "renderer/image/codecs.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "renderer/image/codecs.hpp"
-#include "tests/image/sample_files.hpp"
+#include <array>
+#include <cmath>
 
 namespace furnace {
 namespace {

@@ -1,13 +1,13 @@
 #include "tests/image/sample_files.hpp"
 
-#include <csetjmp>
-#include <cstdio>
-#include <cstdlib>
-#include <stdexcept>
-
+#include <cstdio>  // jpeglib.h wants it before itself
 #include <jpeglib.h>
 #include <png.h>
 #include <webp/encode.h>
+
+#include <csetjmp>
+#include <cstdlib>
+#include <stdexcept>
 
 namespace furnace::sample {
 

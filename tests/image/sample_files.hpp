@@ -1,14 +1,14 @@
 // Small files of every format, made by libraries that the decoders under test do not use where there is one.
 #pragma once
 
+#include "renderer/image/image.hpp"
+#include "renderer/base/blob.hpp"
+#include "renderer/base/error.hpp"
+
 #include <cstdint>
 #include <random>
 #include <string>
 #include <vector>
-
-#include "renderer/base/blob.hpp"
-#include "renderer/base/error.hpp"
-#include "renderer/image/image.hpp"
 
 namespace furnace::sample {
 
@@ -23,7 +23,7 @@ struct PngOptions {
   int color_type = 2;
   int depth = 8;
   bool interlaced = false;
-  int filters = 0xf8;        // PNG_ALL_FILTERS, or one of libpng's masks
+  int filters = 0xf8;             // PNG_ALL_FILTERS, or one of libpng's masks
   std::string palette = {};       // RGB triples
   std::string transparency = {};  // alphas of a palette, or big-endian 16-bit samples of the key colour
 };

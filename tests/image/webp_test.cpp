@@ -1,7 +1,7 @@
-#include <gtest/gtest.h>
-
-#include "renderer/image/decode.hpp"
 #include "tests/image/sample_files.hpp"
+#include "renderer/image/decode.hpp"
+
+#include <gtest/gtest.h>
 
 namespace furnace {
 namespace {

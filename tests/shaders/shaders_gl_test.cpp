@@ -28,7 +28,8 @@ double ggx_reference(double noh, double alpha) {
 }
 
 TEST_F(ShadersGlTest, ConstantsAreTheConstants) {
-  const glm::vec4 c = run("lib/constants.glsl", "result = vec4(PI, TWO_PI, INV_PI, MIN_COSINE);", {glm::vec4(0)})[0];
+  const glm::vec4 c =
+      run("lib/constants.glsl", "result = vec4(PI, TWO_PI, INV_PI, MIN_COSINE);", {glm::vec4(0)})[0];
   EXPECT_EQ(c.x, float(kPi));
   EXPECT_EQ(c.y, float(2 * kPi));
   EXPECT_EQ(c.z, float(1 / kPi));
@@ -45,8 +46,9 @@ TEST_F(ShadersGlTest, SrgbTransferMatchesTheStandard) {
 }
 
 TEST_F(ShadersGlTest, NeutralToneCurveKeepsBaseColours) {
-  const auto results = run("lib/color.glsl", "result.rgb = tone_pbr_neutral(x.rgb);",
-                           {{0.5f, 0.3f, 0.2f, 0}, {0.04f, 0.04f, 0.04f, 0}, {100, 100, 100, 0}, {50, 1, 1, 0}, {0, 0, 0, 0}});
+  const auto results =
+      run("lib/color.glsl", "result.rgb = tone_pbr_neutral(x.rgb);",
+          {{0.5f, 0.3f, 0.2f, 0}, {0.04f, 0.04f, 0.04f, 0}, {100, 100, 100, 0}, {50, 1, 1, 0}, {0, 0, 0, 0}});
   // Below the shoulder: less the Fresnel offset of 0.04.
   EXPECT_NEAR(results[0].r, 0.46, 1e-6);
   EXPECT_NEAR(results[0].b, 0.16, 1e-6);
@@ -79,7 +81,8 @@ TEST_F(ShadersGlTest, GgxMatchesItsReferenceAndIsNormalised) {
       // cos is a float here: near the peak of a sharp lobe one ulp of it moves D; the reference takes the same float.
       const double reference = ggx_reference(double(inputs[i].x), double(inputs[i].y));
       EXPECT_NEAR(results[i].x, reference, 1e-3 * reference) << alpha << " " << inputs[i].x;
-      sum += ggx_reference(double(inputs[i].x), double(inputs[i].y)) > 0 ? weights[i] * double(results[i].x) : 0;
+      sum +=
+          ggx_reference(double(inputs[i].x), double(inputs[i].y)) > 0 ? weights[i] * double(results[i].x) : 0;
     }
     // For the sharpest lobes the float cosine itself quantises theta.
     EXPECT_NEAR(sum, 1, alpha < 0.02 ? 2e-2 : 1e-3) << alpha;
@@ -127,7 +130,8 @@ std::vector<glm::vec4> sphere_directions() {
   constexpr double kGoldenAngle = 2.39996322972865332;
   for (int i = 0; i < 500; ++i) {
     const double y = 1 - 2 * (i + 0.5) / 500, r = std::sqrt(1 - y * y);
-    directions.emplace_back(float(r * std::cos(kGoldenAngle * i)), float(y), float(r * std::sin(kGoldenAngle * i)), 0);
+    directions.emplace_back(float(r * std::cos(kGoldenAngle * i)), float(y),
+                            float(r * std::sin(kGoldenAngle * i)), 0);
   }
   return directions;
 }
@@ -163,8 +167,9 @@ TEST_F(ShadersGlTest, EquirectConventionIsThatOfTheContract) {
 }
 
 TEST_F(ShadersGlTest, WideningAlphaNeverSharpens) {
-  const auto results = run("lib/brdf.glsl", "result.x = antialiased_alpha(vec3(x.x, 0, 0), vec3(0, x.x, 0), x.y, x.z);",
-                           {{0, 0.25f, 1, 0}, {0.1f, 0.25f, 1, 0}, {10, 0.25f, 1, 0}, {0.1f, 0.25f, 0.1f, 0}});
+  const auto results =
+      run("lib/brdf.glsl", "result.x = antialiased_alpha(vec3(x.x, 0, 0), vec3(0, x.x, 0), x.y, x.z);",
+          {{0, 0.25f, 1, 0}, {0.1f, 0.25f, 1, 0}, {10, 0.25f, 1, 0}, {0.1f, 0.25f, 0.1f, 0}});
   EXPECT_NEAR(results[0].x, 0.25, 1e-6);
   EXPECT_GT(results[1].x, 0.25);
   EXPECT_NEAR(results[2].x, std::sqrt(0.25 * 0.25 + 0.18), 1e-5);  // kappa bounds it

@@ -27,7 +27,8 @@ struct Direction {
 
 // The centre of texel (i, j) of an equirect map (baked_environment.hpp).
 inline Direction texel_direction(Extent extent, int i, int j) {
-  return {std::numbers::pi * (j + 0.5) / extent.height, 2 * std::numbers::pi * ((i + 0.5) / extent.width - 0.5)};
+  return {std::numbers::pi * (j + 0.5) / extent.height,
+          2 * std::numbers::pi * ((i + 0.5) / extent.width - 0.5)};
 }
 
 inline Rgb texel_value(const Image& map, int i, int j) {
@@ -48,7 +49,8 @@ inline double prefilter_kernel(double mu, double alpha) {
 // Its integral over the sphere: midpoints in the logarithm of the angle, where the kernel is nowhere steep.
 inline double prefilter_integral(double alpha) {
   constexpr int kSteps = 20000;
-  const double low = std::log(1e-5 * alpha), high = std::log(std::numbers::pi / 2), step = (high - low) / kSteps;
+  const double low = std::log(1e-5 * alpha), high = std::log(std::numbers::pi / 2),
+               step = (high - low) / kSteps;
   double sum = 0;
   for (int k = 0; k < kSteps; ++k) {
     const double angle = std::exp(low + (k + 0.5) * step);
@@ -66,7 +68,8 @@ class Prefilter {
   }
 
   std::vector<Rgb> operator()(Direction d) const {
-    constexpr double kFineness = 0.25;  // part size : distance to the kernel's poles; the rule errs by its 4th power / 5
+    constexpr double kFineness =
+        0.25;  // part size : distance to the kernel's poles; the rule errs by its 4th power / 5
     const auto [width, height] = map_.extent;
     const double cell_theta = std::numbers::pi / height, cell_phi = 2 * std::numbers::pi / width;
     const double narrowest = 2 * *std::min_element(alphas_.begin(), alphas_.end());
@@ -77,7 +80,8 @@ class Prefilter {
         const double angle = 2 * std::asin(std::min(1.0, std::sqrt(half_chord2(centre, d))));
         const double distance = std::hypot(std::max(0.0, angle - cell_theta), narrowest);
         int parts = std::clamp(static_cast<int>(std::ceil(cell_theta / (kFineness * distance))), 1, 64);
-        if (std::abs(std::cos(angle)) < 1.5 * cell_theta) parts = std::max(parts, 16);  // the kernel's kink at mu = 0
+        if (std::abs(std::cos(angle)) < 1.5 * cell_theta)
+          parts = std::max(parts, 16);  // the kernel's kink at mu = 0
         for (int part = 0; part < 4 * parts * parts; ++part) {
           const Direction at = {centre.theta + cell_theta * node(part / (2 * parts), parts),
                                 centre.phi + cell_phi * node(part % (2 * parts), parts)};
@@ -119,15 +123,18 @@ inline Rgb read_tile(const OctahedralAtlas& atlas, const AtlasTile& tile, Direct
   Rgb result;
   for (int c = 0; c < 3; ++c) {
     const auto at = [&](int a, int b) {
-      return double{float_from_half(texels[(std::size_t(j + b) * atlas.texels.extent.width + i + a) * 4 + c])};
+      return double{
+          float_from_half(texels[(std::size_t(j + b) * atlas.texels.extent.width + i + a) * 4 + c])};
     };
-    result[c] = ((1 - t) * ((1 - s) * at(0, 0) + s * at(1, 0)) + t * ((1 - s) * at(0, 1) + s * at(1, 1))) / atlas.scale;
+    result[c] = ((1 - t) * ((1 - s) * at(0, 0) + s * at(1, 0)) + t * ((1 - s) * at(0, 1) + s * at(1, 1))) /
+                atlas.scale;
   }
   return result;
 }
 
 // What the shader makes of any roughness: two neighbouring levels mixed linearly in level_coordinate.
-inline Rgb read_levels(const BakedEnvironment& baked, const OctahedralAtlas& atlas, double roughness, Direction d) {
+inline Rgb read_levels(const BakedEnvironment& baked, const OctahedralAtlas& atlas, double roughness,
+                       Direction d) {
   std::size_t upper = 0;
   while (upper + 1 < atlas.level_roughness.size() && atlas.level_roughness[upper] < roughness) ++upper;
   const double high = level_coordinate(atlas.level_roughness[upper]);
@@ -175,8 +182,8 @@ inline std::vector<Direction> spread_directions(int count) {
   std::vector<Direction> directions;
   for (int k = 0; k < count; ++k) {
     const double turns = k * std::numbers::phi;
-    directions.push_back({std::acos(1 - (2 * k + 1.0) / count),
-                          2 * std::numbers::pi * (turns - std::floor(turns) - 0.5)});
+    directions.push_back(
+        {std::acos(1 - (2 * k + 1.0) / count), 2 * std::numbers::pi * (turns - std::floor(turns) - 0.5)});
   }
   return directions;
 }

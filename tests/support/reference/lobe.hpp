@@ -7,7 +7,7 @@
 namespace furnace::reference {
 
 struct LobeMoments {
-  double scale = 0;    // of F0
+  double scale = 0;  // of F0
   double bias = 0;
   double normal = 0;   // first moment for F = 1, along n
   double tangent = 0;  // and along the direction that the mirror direction leans to
@@ -20,7 +20,9 @@ inline LobeMoments integrate_lobe(double NoV, double alpha, int side) {
   const double sin_v = std::sqrt(1 - NoV * NoV), a2 = alpha * alpha;
   const double length = std::hypot(alpha * sin_v, NoV);
   const double stretched_x = alpha * sin_v / length, stretched_z = NoV / length;
-  const auto lambda = [&](double cosine) { return 0.5 * (std::sqrt(1 + a2 * (1 / (cosine * cosine) - 1)) - 1); };
+  const auto lambda = [&](double cosine) {
+    return 0.5 * (std::sqrt(1 + a2 * (1 / (cosine * cosine) - 1)) - 1);
+  };
   const double lambda_v = lambda(NoV);
   LobeMoments sums;
   for (int a = 0; a < side; ++a) {
@@ -31,7 +33,8 @@ inline LobeMoments integrate_lobe(double NoV, double alpha, int side) {
       const double t2 = (1 - s) * std::sqrt(1 - t1 * t1) + s * radius * std::sin(angle);
       const double up = std::sqrt(std::max(0.0, 1 - t1 * t1 - t2 * t2));
       // Frame of the stretched view: (0, 1, 0), its cross product with the view, the view.
-      const double nx = -t2 * stretched_z + up * stretched_x, ny = t1, nz = t2 * stretched_x + up * stretched_z;
+      const double nx = -t2 * stretched_z + up * stretched_x, ny = t1,
+                   nz = t2 * stretched_x + up * stretched_z;
       const double hx = alpha * nx, hy = alpha * ny, hz = std::max(0.0, nz);
       const double norm = std::sqrt(hx * hx + hy * hy + hz * hz);
       const double VoH = (sin_v * hx + NoV * hz) / norm, NoL = 2 * VoH * hz / norm - NoV;

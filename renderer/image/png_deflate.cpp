@@ -1,4 +1,6 @@
-#include "renderer/image/run_deflate.hpp"
+#include "renderer/image/png_deflate.hpp"
+
+#include <libdeflate.h>
 
 #include <algorithm>
 #include <array>
@@ -7,8 +9,6 @@
 #include <cstring>
 #include <utility>
 #include <vector>
-
-#include <libdeflate.h>
 
 namespace furnace {
 
