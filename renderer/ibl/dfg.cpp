@@ -12,8 +12,8 @@ namespace furnace {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kPolarNodes = 48;    // for each part of the polar angle
-constexpr int kAzimuthBlocks = 4;  // of eight nodes
+constexpr int kPolarNodes = 32;    // for each part of the polar angle
+constexpr int kAzimuthBlocks = 3;  // of eight nodes
 
 struct View {
   double cos_v = 0;

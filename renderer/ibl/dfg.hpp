@@ -14,7 +14,6 @@ namespace furnace {
 // rough surface nearer to n than the mirror direction r = 2 (n.v) n - v is: the map is looked up there instead of at r.
 //   mean direction = r rotated by lean_rad towards n = cos(a) n + sin(a) t,  a = acos(n.v) - lean_rad,
 //   t = (r - (n.v) n) / sin(acos(n.v)), the unit tangent that r leans to.
-// lean_rad may be slightly negative (towards the horizon) close to grazing on smooth surfaces.
 struct DfgTexel {
   float scale = 0;
   float bias = 0;
