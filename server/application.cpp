@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "renderer/base/check.hpp"
+#include "renderer/base/error.hpp"
 #include "renderer/base/log.hpp"
 #include "server/build_id.hpp"
 
@@ -17,6 +18,7 @@ using std::chrono::milliseconds;
 
 constexpr int kRefusingThreads = 8;  // beyond seats and queue: they tell others that there is no place
 constexpr int kAdminThreads = 2;
+constexpr milliseconds kWarmUpTime{120'000};
 
 int cores() {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -115,6 +117,11 @@ Application::Application(const Config& config)
 void Application::start() {
   if (admin_server_) admin_server_->start();
   server_.start();
+  try {
+    readiness_.check(kWarmUpTime);
+  } catch (const Error& error) {
+    log::error("server.not_ready", {{"message", error.message}, {"detail", error.detail}});
+  }
 }
 
 void Application::stop() {

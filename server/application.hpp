@@ -42,6 +42,7 @@ class Application {
   // address).
   explicit Application(const Config& config);
 
+  // Listens, then draws the first probe; a probe that fails is logged, and told by /readyz.
   void start();
   // Not ready from now on; requests in flight end, or are cancelled after the drain timeout.
   void stop();

@@ -210,7 +210,7 @@ Reply get_ready(const Doors& doors) {
 
 }  // namespace
 
-void Readiness::check() {
+void Readiness::check(std::chrono::milliseconds timeout) {
   if (draining_) fail(ErrorCode::kGpuUnavailable, "The server is shutting down.");
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock) {
@@ -220,7 +220,7 @@ void Readiness::check() {
   if (Clock::now() < good_until_) return;
   bool right = false;
   try {
-    right = probe_(Deadline(timeout_));
+    right = probe_(Deadline(timeout));
   } catch (const Error& error) {
     was_good_ = false;
     fail(ErrorCode::kGpuUnavailable, "The probe picture could not be drawn: " + error.message, {},

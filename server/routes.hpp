@@ -24,7 +24,9 @@ class Readiness {
   Readiness(Probe probe, std::chrono::milliseconds timeout) : probe_(std::move(probe)), timeout_(timeout) {}
 
   // Errors: kGpuUnavailable when draining or when the probe was wrong, late or failed.
-  void check();
+  void check() { check(timeout_); }
+  // The first probe compiles and bakes what later ones find ready, so it may take longer.
+  void check(std::chrono::milliseconds timeout);
   void drain() { draining_ = true; }
 
  private:

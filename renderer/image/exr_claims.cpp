@@ -113,7 +113,7 @@ bool parse_part(Reader& reader, ExrPart& part) {
     }
   }
   if (!has_windows[0] || !has_windows[1] || part.channels.empty())
-    fail_damaged(kFormat, "its header lacks a part");
+    fail_damaged(kFormat, "its header lacks its windows or its channels");
   return true;
 }
 
@@ -179,9 +179,8 @@ void check_part(const ExrPart& part, const DecodeLimits& limits) {
   }
   std::int64_t pixel_bytes = 0;
   for (const ExrChannel& channel : part.channels) pixel_bytes += channel.sample_bytes;
-  const std::int64_t chunk_pixels = part.is_tiled
-                                        ? std::int64_t{part.tile_width} * part.tile_height
-                                        : part.data_window.width() * rows_per_chunk(part.compression);
+  std::int64_t chunk_pixels = part.data_window.width() * rows_per_chunk(part.compression);
+  if (part.is_tiled) chunk_pixels = std::max(chunk_pixels, std::int64_t{part.tile_width} * part.tile_height);
   if (chunk_pixels > kMostChunkBytes / pixel_bytes) {
     fail(ErrorCode::kTooLarge, "the OpenEXR file packs too many bytes into one block");
   }

@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "renderer/base/check.hpp"
 #include "renderer/base/error.hpp"
 
 namespace furnace {
@@ -125,6 +126,8 @@ void GltfData::read_elements(int accessor_index, Out* target, std::size_t target
   const GltfAccessor& source = accessor(accessor_index);
   const std::size_t element = element_bytes(source.type, source.component);
   const auto components = static_cast<std::size_t>(component_count(source.type));
+  FURNACE_CHECK(components <= target_components, "accessor {}: {} components into {}", accessor_index,
+                components, target_components);
   Layout layout{static_cast<std::size_t>(source.count), element, components, source.normalized};
   if (source.buffer_view && source.count > 0) {
     const GltfBufferView& view = document_.buffer_views[static_cast<std::size_t>(*source.buffer_view)];

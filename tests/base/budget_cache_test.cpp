@@ -195,6 +195,10 @@ TEST(BudgetCache, SharesFailuresWithThoseWhoWait) {
 }
 
 TEST(BudgetCache, SharesForeignFailuresToo) {
+#ifdef __SANITIZE_THREAD__
+  GTEST_SKIP()
+      << "libstdc++.so counts a shared exception's references in code that ThreadSanitizer does not see";
+#endif
   auto cache = make_cache(100);
   Flight flight(cache);
   flight.lead([]() -> std::string { throw std::runtime_error("codec"); });

@@ -281,7 +281,8 @@ class Limits(Case):
         with Server("--admin-listen", "127.0.0.1:0") as server:
             admin = f"http://127.0.0.1:{server.admin_port()}"
             for path in ("/livez", "/readyz", "/metrics", "/version"):
-                self.assertEqual(server.curl(path, base=admin).status, 200, path)
+                answer = server.curl(path, base=admin)
+                self.assertEqual(answer.status, 200, (path, answer.body[:500]))
             self.expect_problem(server.curl("/v1/renders", base=admin), 404)
             self.expect_problem(server.curl("/metrics"), 404)
             self.assertEqual(server.curl("/livez").status, 200)
