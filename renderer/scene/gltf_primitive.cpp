@@ -126,6 +126,8 @@ std::optional<int> find_attribute(const GltfPrimitive& primitive, const std::str
   return found == primitive.attributes.end() ? std::nullopt : std::optional(found->second);
 }
 
+constexpr int kMaxJointSets = 16;  // 64 joints to a vertex; real files have one or two sets
+
 void check_influences(const GltfPrimitive& primitive, const std::string& pointer) {
   for (int set = 0;; ++set) {
     const std::string number = std::to_string(set);
@@ -136,6 +138,10 @@ void check_influences(const GltfPrimitive& primitive, const std::string& pointer
            pointer + "/attributes");
     }
     if (!joints) return;
+    if (set >= kMaxJointSets) {
+      fail(ErrorCode::kTooLarge, "has more than " + std::to_string(kMaxJointSets) + " sets of joints",
+           pointer + "/attributes");
+    }
   }
 }
 

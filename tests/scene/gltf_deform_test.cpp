@@ -203,6 +203,16 @@ TEST(Skin, IsChecked) {
   EXPECT_EQ(pointer_of_error(skin_builder(spec)), "/skins/0/inverseBindMatrices");
 }
 
+TEST(Skin, SetsAreBounded) {
+  GltfBuilder builder = skin_builder({});
+  Json& attributes = builder.json["meshes"][0]["primitives"][0]["attributes"];
+  for (int set = 1; set < 20; ++set) {
+    attributes["JOINTS_" + std::to_string(set)] = attributes["JOINTS_0"];
+    attributes["WEIGHTS_" + std::to_string(set)] = attributes["WEIGHTS_0"];
+  }
+  EXPECT_EQ(error_of([&] { builder.import(); })->code, ErrorCode::kTooLarge);
+}
+
 TEST(Skin, WithoutJointsInTheMeshIsIgnored) {
   SkinSpec spec;
   spec.mesh_node = {{"translation", {100, 0, 0}}};
