@@ -18,8 +18,7 @@ double coordinate(int index) {
 }
 
 TEST(Dfg, AgreesWithSampledVisibleNormals) {
-  constexpr double kTolerance =
-      1e-5;  // ten times better than asked; the judge itself settles to 1e-6 on 700 x 700
+  constexpr double kTolerance = 1e-4;  // the bar for the table
   for (int row : {0, 3, 12, 31, 64, 95, 127}) {
     for (int column : {0, 2, 9, 30, 64, 100, 127}) {
       const double alpha = coordinate(row) * coordinate(row);
