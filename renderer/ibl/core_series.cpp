@@ -41,9 +41,12 @@ double CoreSeries::reach() const {
   return kLogNegligible / -std::log(q);
 }
 
-CoreSeries core_series(double beta, double theta, double source_theta, double factor) {
-  const double minus = std::sin((theta - source_theta) / 2), plus = std::sin((theta + source_theta) / 2);
-  const double low = beta + minus * minus, high = beta + plus * plus;
+RowDistance::RowDistance(double theta, double source_theta)
+    : minus(std::pow(std::sin((theta - source_theta) / 2), 2)),
+      plus(std::pow(std::sin((theta + source_theta) / 2), 2)) {}
+
+CoreSeries core_series(double beta, const RowDistance& rows, double factor) {
+  const double low = beta + rows.minus, high = beta + rows.plus;
   const double a = 0.5 * (low + high), b = 0.5 * (high - low), s = std::sqrt(low * high);
   return {b / (a + s), factor * ((1 + 2 * beta) * a / (s * s * s) - 2 / s),
           factor * (1 + 2 * beta) / (s * s)};

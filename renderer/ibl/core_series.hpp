@@ -27,7 +27,14 @@ struct CoreSeries {
 
   double reach() const;  // orders after which q^m is negligible
 };
-CoreSeries core_series(double beta, double theta, double source_theta, double factor);
+
+struct RowDistance {
+  RowDistance(double theta, double source_theta);
+
+  double minus = 0;  // sin^2((theta - theta') / 2)
+  double plus = 0;   // sin^2((theta + theta') / 2)
+};
+CoreSeries core_series(double beta, const RowDistance& rows, double factor);
 
 // out[m / 8][m % 8] += order m, for `blocks` blocks.
 void add_series(const CoreSeries& series, int blocks, Lanes* out);

@@ -8,6 +8,7 @@
 
 #include "renderer/ibl/core_series.hpp"
 #include "renderer/ibl/quadrature.hpp"
+#include "renderer/ibl/scratch_pool.hpp"
 
 namespace furnace {
 
@@ -75,17 +76,23 @@ class CoreSum {
     std::vector<int> used;          // per row
   };
 
-  // Row i and its mirror image: adds to the orders of north[level], south[level].
+  // Row i and its mirror image: sets the orders of north[level], south[level].
   void convolve(int i, Lanes* const* north, Lanes* const* south, Scratch& scratch) const;
 
  private:
+  // A line of constant theta within a row, seen from another.
+  struct Source {
+    RowDistance distance;
+    double weight = 0;  // sr per radian of azimuth, times 2 pi
+  };
+
   int blocks() const { return (map_.orders() + 7) / 8; }
   int width() const { return 2 * (map_.orders() - 1); }
   std::size_t row_size() const { return kernels_.size() * blocks(); }
-  void add_smooth_part(int row, Lanes* const* out) const;
+  void set_smooth_part(int row, Lanes* const* out) const;
   int used_orders(double theta, double source) const;
-  void sum_nodes(double theta, double centre, std::span<const QuadratureNode> nodes, int used, Lanes* out,
-                 Scratch& scratch) const;
+  Source source_at(double theta, double source, double height) const;
+  void sum_sources(std::span<const Source> sources, int used, Lanes* out, Scratch& scratch) const;
   void fill_series(int i, int first, int last, Scratch& scratch) const;
 
   const RowSpectrum& map_;
@@ -98,8 +105,9 @@ class CoreSum {
   std::vector<QuadratureNode> cell_nodes_;
 };
 
-void CoreSum::add_smooth_part(int row, Lanes* const* out) const {
+void CoreSum::set_smooth_part(int row, Lanes* const* out) const {
   for (std::size_t l = 0; l < kernels_.size(); ++l) {
+    std::fill_n(out[l], map_.orders(), Lanes{});
     for (std::size_t k = 0; k < smooth_.size(); ++k) {
       const Lanes* in = smooth_[k].spectrum.row(row);
       Lanes* sum = out[l];
@@ -113,21 +121,21 @@ void CoreSum::add_smooth_part(int row, Lanes* const* out) const {
 }
 
 int CoreSum::used_orders(double theta, double source) const {
-  const double reach = core_series(kernels_.front().beta(), theta, source, 1).reach();
+  const double reach = core_series(kernels_.front().beta(), RowDistance(theta, source), 1).reach();
   return static_cast<int>(std::min<double>(map_.orders(), reach + 1));
 }
 
-// out[level][order / 8] = the series of every core, summed over nodes around `centre`; zeros up to the end of the row's
-// neighbours.
-void CoreSum::sum_nodes(double theta, double centre, std::span<const QuadratureNode> nodes, int used,
-                        Lanes* out, Scratch& scratch) const {
+CoreSum::Source CoreSum::source_at(double theta, double source, double height) const {
+  return {RowDistance(theta, source), 2 * kPi * height * std::sin(source)};
+}
+
+// out[level][order / 8] = the series of every core, summed over sources within one row.
+void CoreSum::sum_sources(std::span<const Source> sources, int used, Lanes* out, Scratch& scratch) const {
   const int used_blocks = (used + 7) / 8;
   const auto sum_series = [&](double beta, double scale, Lanes* sum) {
     std::fill_n(sum, used_blocks, Lanes{});
-    for (const QuadratureNode& node : nodes) {
-      const double source = centre + node.x;
-      const CoreSeries series =
-          core_series(beta, theta, source, 2 * kPi * node.weight * std::sin(source) * scale);
+    for (const Source& source : sources) {
+      const CoreSeries series = core_series(beta, source.distance, source.weight * scale);
       add_series(series, used_blocks, sum);
       if (used == map_.orders()) add_folded(series, folding_, sum);
     }
@@ -156,17 +164,22 @@ void CoreSum::fill_series(int i, int first, int last, Scratch& scratch) const {
   scratch.sampled.resize((last - first + 1) * size);
   scratch.integrated.resize((last - first + 1) * size);
   scratch.used.resize(last - first + 1);
-  const QuadratureNode row_node{0, cell_};
   for (int j = first; j <= last; ++j) {
     // One row nearer to i, where more orders matter: the difference needs them on both sides.
     const int nearer = j < i ? j + 1 : j > i ? j - 1 : j;
     const int used = used_orders(theta, (nearer + 0.5) * cell_);
     const double centre = (j + 0.5) * cell_;
     scratch.used[j - first] = used;
-    if (std::abs(i - j) >= kNearRows)
-      sum_nodes(theta, centre, {&row_node, 1}, used, scratch.sampled.data() + (j - first) * size, scratch);
-    if (std::abs(i - j) <= kNearRows || j == 0 || j == map_.rows() - 1)
-      sum_nodes(theta, centre, cell_nodes_, used, scratch.integrated.data() + (j - first) * size, scratch);
+    if (std::abs(i - j) >= kNearRows) {
+      const Source row = source_at(theta, centre, cell_);
+      sum_sources({&row, 1}, used, scratch.sampled.data() + (j - first) * size, scratch);
+    }
+    if (std::abs(i - j) <= kNearRows || j == 0 || j == map_.rows() - 1) {
+      std::vector<Source> nodes;
+      for (const QuadratureNode& node : cell_nodes_)
+        nodes.push_back(source_at(theta, centre + node.x, node.weight));
+      sum_sources(nodes, used, scratch.integrated.data() + (j - first) * size, scratch);
+    }
   }
   for (int j = first; j <= last; ++j) {
     if (std::abs(i - j) <= kNearRows || j == 0 || j == map_.rows() - 1) continue;
@@ -191,10 +204,10 @@ void CoreSum::fill_series(int i, int first, int last, Scratch& scratch) const {
 }
 
 void CoreSum::convolve(int i, Lanes* const* north, Lanes* const* south, Scratch& scratch) const {
-  constexpr int kTile = 32;  // orders whose sums stay in the first cache while the rows go by
+  constexpr int kTile = 64;  // orders whose sums stay in the first cache while the rows go by
   const int rows = map_.rows(), first = std::max(0, i - reach_), last = std::min(rows - 1, i + reach_);
-  add_smooth_part(i, north);
-  add_smooth_part(rows - 1 - i, south);
+  set_smooth_part(i, north);
+  set_smooth_part(rows - 1 - i, south);
   fill_series(i, first, last, scratch);
   for (int begin = 0; begin < map_.orders(); begin += kTile) {
     for (int j = first; j <= last; ++j) {
@@ -227,24 +240,27 @@ std::vector<Image> convolve_sharp(const RowSpectrum& map, const std::vector<GgxK
   const CoreSum core(map, kernels, smooth);
   const RowFft fft(width);
 
+  struct GroupScratch {
+    std::vector<RowSpectrum> sums;  // of each level: the group's rows of the north, then of the south
+    CoreSum::Scratch core;
+    RowFft::Scratch fft;
+  };
+  ScratchPool<GroupScratch> scratches;
   using Pairs = RowPairs<Lanes>;
   pool.parallel_for(Pairs::groups(rows), kGroupCost_us, [&](std::size_t group) {
     const int first = static_cast<int>(group) * Pairs::kCount,
               last = std::min(first + Pairs::kCount, (rows + 1) / 2);
-    std::vector<RowSpectrum> sums;  // of each level: the group's rows of the north, then of the south
-    for (int l = 0; l < count; ++l) sums.emplace_back(2 * Pairs::kCount, orders);
-    CoreSum::Scratch scratch;
+    ScratchPool<GroupScratch>::Lease scratch(scratches);
+    std::vector<RowSpectrum>& sums = scratch->sums;
+    while (static_cast<int>(sums.size()) < count) sums.emplace_back(2 * Pairs::kCount, orders);
     std::vector<Lanes*> north(count), south(count);
     for (int i = first; i < last; ++i) {
       for (int l = 0; l < count; ++l) {
         north[l] = sums[l].row(i - first);
         south[l] = sums[l].row(2 * Pairs::kCount - 1 - (i - first));
-        std::fill_n(north[l], orders, Lanes{});
-        std::fill_n(south[l], orders, Lanes{});
       }
-      core.convolve(i, north.data(), south.data(), scratch);
+      core.convolve(i, north.data(), south.data(), scratch->core);
     }
-    RowFft::Scratch fft_scratch;
     for (int l = 0; l < count; ++l) {
       float* texels = images[l].samples<float>().data();
       const auto spectrum_row = [&](int j) {
@@ -253,7 +269,7 @@ std::vector<Image> convolve_sharp(const RowSpectrum& map, const std::vector<GgxK
       };
       fft.texels_of_spectra({first, rows, spectrum_row}, orders,
                             {first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }},
-                            fft_scratch);
+                            scratch->fft);
     }
   });
   return images;

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "renderer/base/check.hpp"
+#include "renderer/ibl/scratch_pool.hpp"
 
 namespace furnace {
 
@@ -121,13 +122,14 @@ RowSpectrum spectrum_of_equirect(const Image& equirect, WorkerPool& pool) {
   const auto [width, rows] = equirect.extent;
   RowSpectrum spectrum(rows, width / 2 + 1);
   const RowFft fft(width);
+  ScratchPool<RowFft::Scratch> scratches;
   const float* texels = equirect.samples<float>().data();
   pool.parallel_for(
       RowPairs<Lanes>::groups(rows), kGroupCost_us, [&, width = width, rows = rows](std::size_t group) {
-        RowFft::Scratch scratch;
+        ScratchPool<RowFft::Scratch>::Lease scratch(scratches);
         const int first = static_cast<int>(group) * RowPairs<Lanes>::kCount;
         fft.spectra_of_texels({first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }},
-                              {first, rows, [&](int j) { return spectrum.row(j); }}, scratch);
+                              {first, rows, [&](int j) { return spectrum.row(j); }}, *scratch);
       });
   return spectrum;
 }
@@ -136,12 +138,14 @@ Image equirect_of_spectrum(const RowSpectrum& spectrum, int width, WorkerPool& p
   const int rows = spectrum.rows();
   Image equirect = make_image({width, rows}, 3, SampleType::kFloat32, ColorSpace::kLinear);
   const RowFft fft(width);
+  ScratchPool<RowFft::Scratch> scratches;
   float* texels = equirect.samples<float>().data();
   pool.parallel_for(RowPairs<Lanes>::groups(rows), kGroupCost_us, [&](std::size_t group) {
-    RowFft::Scratch scratch;
+    ScratchPool<RowFft::Scratch>::Lease scratch(scratches);
     const int first = static_cast<int>(group) * RowPairs<Lanes>::kCount;
     fft.texels_of_spectra({first, rows, [&](int j) { return spectrum.row(j); }}, spectrum.orders(),
-                          {first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }}, scratch);
+                          {first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }},
+                          *scratch);
   });
   return equirect;
 }

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "renderer/base/check.hpp"
+#include "renderer/ibl/lanes.hpp"
 #include "renderer/ibl/quadrature.hpp"
 
 namespace furnace {
@@ -37,35 +38,48 @@ double GgxKernel::operator()(double t) const {
   return scale_ * mu / (u * u);
 }
 
-// Panels in theta that double from the peak outwards; in each as many nodes as the fastest Legendre function has half
-// waves, and some for the kernel itself.
+// Panels in theta that double from the peak outwards, each cut so that 32 nodes follow both the kernel and the half waves
+// of the fastest Legendre function.
 std::vector<double> zonal_coefficients(const std::function<double(double t)>& kernel, double width,
                                        int bands) {
-  std::vector<double> x, weight, p1, p2;
-  for (double begin = 0, step = 0.5 * width; begin < kPi / 2; begin += step, step = begin) {
-    const double end = begin + step > 0.45 * kPi ? kPi / 2 : begin + step;
-    const int count = static_cast<int>(std::ceil(0.6 * bands * (end - begin))) + 16;
-    for (const QuadratureNode& node : gauss_legendre(count, begin, end)) {
-      const double half = std::sin(node.x / 2);
-      x.push_back(std::cos(node.x));
-      weight.push_back(2 * kPi * node.weight * std::sin(node.x) * kernel(half * half));
+  constexpr int kNodes = 32;
+  constexpr double kHalfWaves = 16;  // in a panel
+  static const std::vector<QuadratureNode> unit = gauss_legendre(kNodes, 0, 1);
+  std::vector<Lanes> x, weight, p1, p2;
+  const auto add_panel = [&](double begin, double end) {
+    for (int i = 0; i < kNodes; i += 8) {
+      Lanes cosine, product;
+      for (int k = 0; k < 8; ++k) {
+        const double theta = begin + (end - begin) * unit[i + k].x, half = std::sin(theta / 2);
+        cosine.set(k, std::cos(theta));
+        product.set(k, 2 * kPi * (end - begin) * unit[i + k].weight * std::sin(theta) * kernel(half * half));
+      }
+      x.push_back(cosine);
+      weight.push_back(product);
     }
-    if (end == kPi / 2) break;
+  };
+  for (double begin = 0, length = 0.5 * width; begin < kPi / 2; begin += length, length = begin) {
+    length = std::min(length, kPi / 2 - begin);
+    const int panels = static_cast<int>(std::ceil(bands * length / (kPi * kHalfWaves)));
+    for (int k = 0; k < panels; ++k)
+      add_panel(begin + length * k / panels, begin + length * (k + 1) / panels);
   }
-  p1.assign(x.size(), 1);
-  p2.assign(x.size(), 0);
+  p1.assign(x.size(), Lanes::all(1));
+  p2.assign(x.size(), Lanes{});
   std::vector<double> coefficients(bands);
-  for (int l = 0; l < bands; ++l) {
-    double sum = 0;
-    for (std::size_t i = 0; i < x.size(); ++i) sum += weight[i] * p1[i];
-    coefficients[l] = sum;
-    const double a = (2.0 * l + 1) / (l + 1), b = double(l) / (l + 1);
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const double next = a * x[i] * p1[i] - b * p2[i];
-      p2[i] = p1[i];
-      p1[i] = next;
+  in_widest_registers([&]() __attribute__((always_inline)) {
+    for (int l = 0; l < bands; ++l) {
+      const double a = (2.0 * l + 1) / (l + 1), b = double(l) / (l + 1);
+      Lanes sum = {};
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        sum += weight[i] * p1[i];
+        const Lanes next = a * (x[i] * p1[i]) - b * p2[i];
+        p2[i] = p1[i];
+        p1[i] = next;
+      }
+      for (int k = 0; k < 8; ++k) coefficients[l] += sum[k];
     }
-  }
+  });
   return coefficients;
 }
 

@@ -262,6 +262,8 @@ std::array<std::uint32_t, kLiteralCodes> find_runs(const std::uint8_t* bytes, st
       continue;
     }
     std::size_t length = kShortestRun;
+    const auto repeats_8 = [&](std::size_t at) { return load_64(bytes + at) == load_64(bytes + at - 1); };
+    while (i + length + 8 <= end && repeats_8(i + length)) length += 8;
     while (i + length < end && bytes[i + length] == bytes[i]) ++length;
     runs.push_back({i, length});
     for_each_match(length, [&](std::size_t match) { ++counts[kLengthCodes[match].symbol]; });

@@ -83,7 +83,7 @@ TEST(ZonalKernel, SufficientBandsLeaveTheAskedTail) {
 
 TEST(CoreSeries, SumsToTheKernel) {
   const double beta = 1e-3, theta = 0.9, source = 0.95;
-  const CoreSeries series = core_series(beta, theta, source, 2);
+  const CoreSeries series = core_series(beta, RowDistance(theta, source), 2);
   for (double phi : {0.0, 0.02, 0.3, 2.0}) {
     double sum = 0;
     for (int m = 0; m < 2000; ++m)
@@ -96,7 +96,7 @@ TEST(CoreSeries, SumsToTheKernel) {
 }
 
 TEST(CoreSeries, VectorsHoldTheOrders) {
-  const CoreSeries series = core_series(2e-3, 0.5, 0.6, 1);
+  const CoreSeries series = core_series(2e-3, RowDistance(0.5, 0.6), 1);
   std::vector<Lanes> out(4, Lanes{});
   add_series(series, 4, out.data());
   for (int m = 0; m < 32; ++m)

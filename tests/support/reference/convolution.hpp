@@ -73,6 +73,7 @@ class Prefilter {
     const auto [width, height] = map_.extent;
     const double cell_theta = std::numbers::pi / height, cell_phi = 2 * std::numbers::pi / width;
     const double narrowest = 2 * *std::min_element(alphas_.begin(), alphas_.end());
+    const double roughest = *std::max_element(alphas_.begin(), alphas_.end());
     std::vector<Rgb> sums(alphas_.size(), Rgb{});
     for (int j = 0; j < height; ++j) {
       for (int i = 0; i < width; ++i) {
@@ -80,8 +81,8 @@ class Prefilter {
         const double angle = 2 * std::asin(std::min(1.0, std::sqrt(half_chord2(centre, d))));
         const double distance = std::hypot(std::max(0.0, angle - cell_theta), narrowest);
         int parts = std::clamp(static_cast<int>(std::ceil(cell_theta / (kFineness * distance))), 1, 64);
-        if (std::abs(std::cos(angle)) < 1.5 * cell_theta)
-          parts = std::max(parts, 16);  // the kernel's kink at mu = 0
+        // The kink at mu = 0, which counts in wide kernels.
+        if (roughest > 0.1 && std::abs(std::cos(angle)) < 1.5 * cell_theta) parts = std::max(parts, 6);
         for (int part = 0; part < 4 * parts * parts; ++part) {
           const Direction at = {centre.theta + cell_theta * node(part / (2 * parts), parts),
                                 centre.phi + cell_phi * node(part % (2 * parts), parts)};
