@@ -45,7 +45,7 @@ GlOutcome draw_on_gl_thread(RenderWorld& world, const RenderSpec& spec, const Pr
   outcome.upload_ms = ms_since(upload_start);
   outcome.upload_hit = !world.residency().uploaded();
 
-  const FramePlan plan = plan_frame(spec, context.limits(), max_tile_px);
+  const FramePlan plan = plan_frame(spec, max_tile_px);
   outcome.frame =
       world.frames().render(world.residency(), plan, view, scene, *preparation.scene.environment, deadline);
   if (context.lost()) outcome.kind = GlOutcome::Kind::kContextLost;

@@ -27,12 +27,11 @@ glm::vec2 r2_offset(int i) {
 
 }  // namespace
 
-FramePlan plan_frame(const RenderSpec& spec, const gl::Limits& limits, int max_tile_px) {
+FramePlan plan_frame(const RenderSpec& spec, int max_tile_px) {
   FramePlan plan;
   plan.picture = {spec.output.width, spec.output.height};
   plan.tiles = cut_tiles(plan.picture, max_tile_px);
   plan.tile_size = {std::min(max_tile_px, plan.picture.width), std::min(max_tile_px, plan.picture.height)};
-  plan.msaa_samples = limits.max_samples >= 4 ? 4 : 1;
   for (int i = 0; i < spec.output.samples; ++i) plan.jitter_px.push_back(r2_offset(i));
 
   plan.exposure = std::exp2(spec.camera.exposure_ev);

@@ -5,7 +5,6 @@
 
 #include <glm/glm.hpp>
 
-#include "renderer/gl/context.hpp"
 #include "renderer/image/image.hpp"
 #include "renderer/scene/framing.hpp"
 #include "renderer/scene/render_spec.hpp"
@@ -23,7 +22,6 @@ struct FramePlan {
   std::vector<Tile>
       tiles;         // cover the picture without overlap, row by row; all but the last of a row equally large
   Extent tile_size;  // of the largest tile: the size of the render targets
-  int msaa_samples = 1;              // 4, or 1 where the context has no multisampling
   std::vector<glm::vec2> jitter_px;  // one offset per sub-frame, in [-0.5, 0.5); the first is 0
   BackgroundKind background = BackgroundKind::kEnvironment;
   glm::vec4 background_color{0};  // premultiplied linear radiance before exposure; 0 unless kColor
@@ -36,6 +34,6 @@ struct FramePlan {
 };
 
 // Pixels are drawn in tiles of at most `max_tile_px` a side, so that memory does not grow with the picture.
-FramePlan plan_frame(const RenderSpec& spec, const gl::Limits& limits, int max_tile_px);
+FramePlan plan_frame(const RenderSpec& spec, int max_tile_px);
 
 }  // namespace furnace

@@ -3,6 +3,9 @@
 namespace furnace {
 namespace {
 
+// Single precision: a sun of 2e5 overflows half floats, and a scale that saved it would cost the shadows their bits.
+constexpr GLenum kRadiance = GL_RGBA32F;
+
 GLenum film_format(SampleType type) {
   switch (type) {
     case SampleType::kFloat16:
@@ -14,26 +17,52 @@ GLenum film_format(SampleType type) {
   }
 }
 
-}  // namespace
+Extent samples_of(Extent pixels) {
+  return {2 * pixels.width, 2 * pixels.height};
+}
 
-bool FrameTargets::fits(const FramePlan& plan) const {
-  return size == plan.tile_size && msaa_samples == plan.msaa_samples && film_type == plan.film_type;
+ColorTarget create_color_target(gl::Context& context, GLenum format, Extent size) {
+  ColorTarget target;
+  target.color = gl::create_texture(context, format, size, 1);
+  target.framebuffer = gl::create_framebuffer(context, target.color, {});
+  return target;
 }
 
 FrameTargets create_frame_targets(gl::Context& context, const FramePlan& plan) {
   FrameTargets targets;
   targets.size = plan.tile_size;
-  targets.msaa_samples = plan.msaa_samples;
   targets.film_type = plan.film_type;
-  // Single precision: a sun of 2e5 overflows half floats, and a scale that saved it would cost the shadows their bits.
-  targets.color = gl::create_target(context, GL_RGBA32F, plan.tile_size, plan.msaa_samples);
-  targets.depth = gl::create_target(context, GL_DEPTH_COMPONENT32F, plan.tile_size, plan.msaa_samples);
-  targets.accumulated = gl::create_target(context, GL_RGBA32F, plan.tile_size, 1);
-  targets.film = gl::create_target(context, film_format(plan.film_type), plan.tile_size, 1);
-  targets.draw = gl::create_framebuffer(context, targets.color, targets.depth);
-  targets.accumulate = gl::create_framebuffer(context, targets.accumulated, {});
-  targets.resolve = gl::create_framebuffer(context, targets.film, {});
+  VisibilityTarget& visibility = targets.visibility;
+  visibility.texels = gl::create_texture(context, GL_RG32UI, samples_of(plan.tile_size), 1);
+  visibility.depth = gl::create_texture(context, GL_DEPTH_COMPONENT32F, samples_of(plan.tile_size), 1);
+  visibility.framebuffer = gl::create_framebuffer(context, visibility.texels, visibility.depth);
+  ShadingTarget& shading = targets.shading;
+  shading.shares = gl::create_texture(context, GL_R16UI, plan.tile_size, 1);
+  shading.selection = gl::create_texture(context, GL_DEPTH_COMPONENT32F, plan.tile_size, 1);
+  shading.color = gl::create_texture(context, kRadiance, plan.tile_size, 1);
+  shading.share = gl::create_framebuffer(context, shading.shares, {});
+  shading.select = gl::create_framebuffer(context, {}, shading.selection);
+  shading.shade = gl::create_framebuffer(context, shading.color, shading.selection);
+  targets.film = create_color_target(context, film_format(plan.film_type), plan.tile_size);
   return targets;
+}
+
+}  // namespace
+
+void provide_targets(gl::Context& context, const FramePlan& plan, TargetNeeds needs,
+                     std::optional<FrameTargets>& targets) {
+  if (!targets || targets->size != plan.tile_size || targets->film_type != plan.film_type) {
+    targets.reset();
+    targets = create_frame_targets(context, plan);
+  }
+  if (needs.veil && !targets->veil) {
+    VeilTarget veil;
+    veil.color = gl::create_texture(context, kRadiance, samples_of(plan.tile_size), 1);
+    veil.framebuffer = gl::create_framebuffer(context, veil.color, targets->visibility.depth);
+    targets->veil = std::move(veil);
+  }
+  if (needs.accumulated && !targets->accumulated)
+    targets->accumulated = create_color_target(context, kRadiance, plan.tile_size);
 }
 
 }  // namespace furnace

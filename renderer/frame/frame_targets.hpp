@@ -1,25 +1,57 @@
 // The render targets of a frame's tiles, kept from frame to frame while their shape stays.
 #pragma once
 
+#include <optional>
+
 #include "renderer/frame/frame_plan.hpp"
 #include "renderer/gl/texture.hpp"
 
 namespace furnace {
 
+// What sees the scene: 2x2 samples a pixel.
+struct VisibilityTarget {
+  gl::Texture texels;  // RG32UI, see shaders/lib/visibility.glsl
+  gl::Texture depth;
+  gl::Framebuffer framebuffer;
+};
+
+// Where it is shaded: once a pixel and surface.
+struct ShadingTarget {
+  gl::Texture shares;     // R16UI, see shaders/lib/visibility.glsl
+  gl::Texture selection;  // depth: the draw that is shaded here
+  gl::Texture color;      // RGBA32F, premultiplied: one sub-frame
+  gl::Framebuffer share, select, shade;
+};
+
+// Blended surfaces, lines and points, premultiplied: 2x2 samples a pixel, over the depth of what is visible.
+struct VeilTarget {
+  gl::Texture color;  // RGBA32F
+  gl::Framebuffer framebuffer;
+};
+
+struct ColorTarget {
+  gl::Texture color;
+  gl::Framebuffer framebuffer;
+};
+
 // Threads: the context's. Owns: its textures and framebuffers.
 struct FrameTargets {
   Extent size;
-  int msaa_samples = 0;
   SampleType film_type = SampleType::kUint8;
 
-  gl::Texture color, depth;  // RGBA32F and depth, multisampled: one sub-frame
-  gl::Texture accumulated;   // RGBA32F: the mean of the sub-frames
-  gl::Texture film;          // what is read back
-  gl::Framebuffer draw, accumulate, resolve;
-
-  bool fits(const FramePlan& plan) const;
+  VisibilityTarget visibility;
+  ShadingTarget shading;
+  std::optional<VeilTarget> veil;         // only for scenes that need it
+  std::optional<ColorTarget> accumulated;  // RGBA32F: the mean of several sub-frames
+  ColorTarget film;                        // what is read back
 };
 
-FrameTargets create_frame_targets(gl::Context& context, const FramePlan& plan);
+struct TargetNeeds {
+  bool veil = false, accumulated = false;
+};
+
+// Makes what `targets` lacks for the plan; what fits is kept.
+void provide_targets(gl::Context& context, const FramePlan& plan, TargetNeeds needs,
+                     std::optional<FrameTargets>& targets);
 
 }  // namespace furnace

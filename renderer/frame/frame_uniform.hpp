@@ -1,4 +1,4 @@
-// View + plan + environment -> FrameBlock of one sub-frame.
+// View + plan + environment -> FrameBlock of one sub-frame of one tile.
 #pragma once
 
 #include "renderer/frame/frame_plan.hpp"
@@ -8,6 +8,6 @@
 namespace furnace {
 
 gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const PreparedEnvironment& environment,
-                           std::size_t subframe);
+                           const Tile& tile, std::size_t subframe);
 
 }  // namespace furnace

@@ -8,7 +8,7 @@
 
 namespace furnace {
 
-// What every pass of one tile shares. Threads: the context's. Owns: nothing.
+// What every pass of one sub-frame of one tile shares. Threads: the context's. Owns: nothing.
 struct PassContext {
   gl::Context& context;
   gl::ProgramCache& programs;
@@ -18,17 +18,19 @@ struct PassContext {
   const GpuScene& scene;
   Tile tile;
   const gl::VertexArray& empty_vertex_array;
-  float sky_lod;  // FrameBlock::sky_lod of the sub-frame
+  const gpu::FrameBlock& frame;
+
+  bool veiled() const { return !scene.blended.empty() || !scene.strokes.empty(); }
 };
 
-// The environment's own texture, where every shader that reads it expects it.
-void bind_sky(const PassContext& pass);
-
-// Opaque and masked surfaces into a target cleared to the background's colour.
-void pass_surface_opaque(const PassContext& pass);
-// Blended surfaces over them, farthest first.
-void pass_surface_blended(const PassContext& pass);
-// Composes the sub-frame over the environment behind it and adds it into the accumulated frame; the first one replaces it. A lone sub-frame is not accumulated.
+// Opaque and masked triangles: which one each sample sees.
+void pass_visibility(const PassContext& pass);
+// Lines and points, then blended surfaces, farthest first, where no opaque triangle hides them.
+void pass_veil(const PassContext& pass);
+// Shades what is visible: once a pixel and surface.
+void pass_shade(const PassContext& pass);
+// Composes the sub-frame with veil and background and adds it into the accumulated frame; the first one replaces it. A lone
+// sub-frame is not accumulated.
 void pass_accumulate(const PassContext& pass, bool first);
 // Exposure, tone curve and transfer function of the accumulated frame (or of the lone sub-frame, composed) into the film.
 void pass_resolve(const PassContext& pass);

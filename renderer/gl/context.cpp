@@ -130,11 +130,9 @@ std::unique_ptr<Context> Context::create(const ContextConfig& config) {
     state->renderer = gl_string(GL_RENDERER);
     state->version = gl_string(GL_VERSION);
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &state->limits.max_texture_px);
-    std::array<GLint, 3> samples{};
-    glGetIntegerv(GL_MAX_SAMPLES, &samples[0]);
-    glGetIntegerv(GL_MAX_COLOR_TEXTURE_SAMPLES, &samples[1]);
-    glGetIntegerv(GL_MAX_DEPTH_TEXTURE_SAMPLES, &samples[2]);
-    state->limits.max_samples = std::min({samples[0], samples[1], samples[2]});
+    GLint texels = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+    state->limits.max_buffer_texels = std::size_t(texels);
     state->limits.software = is_software_renderer(state->renderer);
     install_debug_output();
     return std::unique_ptr<Context>(new Context(std::move(state)));

@@ -43,7 +43,7 @@ void apply_determinism(Determinism determinism);
 
 struct Limits {
   int max_texture_px = 0;
-  int max_samples = 0;
+  std::size_t max_buffer_texels = 0;
   bool software = false;
 };
 

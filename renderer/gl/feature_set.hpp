@@ -15,10 +15,11 @@ enum Feature : FeatureSet {
   kFeatureMaterialMaps = 1u << 4,
   kFeaturePackedOcclusion = 1u << 5,
   kFeatureEmissiveMap = 1u << 6,
-  kFeatureSharpReflection = 1u << 7,
-  kFeatureMultisampled = 1u << 8,
-  kFeatureSky = 1u << 9,
-  kFeatureMagnified = 1u << 10,
+  kFeatureVertexColor = 1u << 7,
+  kFeatureSharpReflection = 1u << 8,
+  kFeatureVeil = 1u << 9,
+  kFeatureSky = 1u << 10,
+  kFeatureMagnified = 1u << 11,
 };
 
 }  // namespace furnace::gl

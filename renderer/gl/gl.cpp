@@ -15,6 +15,13 @@ Buffer create_buffer(Context&, const void* data, std::size_t bytes) {
   return buffer;
 }
 
+Texture create_buffer_texture(Context&, GLenum internal_format, const Buffer& buffer) {
+  GLuint id = 0;
+  glCreateTextures(GL_TEXTURE_BUFFER, 1, &id);
+  glTextureBuffer(id, internal_format, buffer.id());
+  return Texture(id);
+}
+
 VertexArray create_vertex_array(Context&) {
   GLuint id = 0;
   glCreateVertexArrays(1, &id);

@@ -70,5 +70,7 @@ using Program = Object<ProgramTraits>;
 // An immutable buffer filled with `bytes` (never of size 0 in GL: an empty one gets 16 bytes).
 Buffer create_buffer(Context&, const void* data, std::size_t bytes);
 VertexArray create_vertex_array(Context&);
+// `buffer` as a texture of texels in `internal_format`; lives no longer than the buffer.
+Texture create_buffer_texture(Context&, GLenum internal_format, const Buffer& buffer);
 
 }  // namespace furnace::gl

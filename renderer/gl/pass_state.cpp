@@ -9,11 +9,16 @@ void set(GLenum capability, bool on) {
   on ? glEnable(capability) : glDisable(capability);
 }
 
+GLenum depth_function(DepthUse use) {
+  if (use == DepthUse::kSelect) return GL_EQUAL;
+  return use == DepthUse::kWrite ? GL_ALWAYS : GL_GEQUAL;
+}
+
 }  // namespace
 
 void begin_pass(Context&, const PassState& state) {
   glBindFramebuffer(GL_FRAMEBUFFER, state.framebuffer);
-  glViewport(state.viewport_x, state.viewport_y, state.viewport.width, state.viewport.height);
+  glViewport(0, 0, state.viewport.width, state.viewport.height);
   // Row 0 of every target is the top of the picture; depth runs from 1 (near) to 0 (far).
   glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
   glDisable(GL_SCISSOR_TEST);
@@ -22,10 +27,8 @@ void begin_pass(Context&, const PassState& state) {
   glDisable(GL_FRAMEBUFFER_SRGB);
   glDisable(GL_DITHER);
   glEnable(GL_PROGRAM_POINT_SIZE);
-  glEnable(GL_MULTISAMPLE);
-  set(GL_SAMPLE_ALPHA_TO_COVERAGE, state.alpha_to_coverage);
   set(GL_DEPTH_TEST, state.depth != DepthUse::kOff);
-  glDepthFunc(GL_GEQUAL);
+  glDepthFunc(depth_function(state.depth));
   glDepthMask(GL_TRUE);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   set(GL_BLEND, state.blend != Blend::kOff);
@@ -37,7 +40,7 @@ void begin_pass(Context&, const PassState& state) {
   }
   constexpr float kFar = 0;
   if (state.clear_depth) glClearNamedFramebufferfv(state.framebuffer, GL_DEPTH, 0, &kFar);
-  glDepthMask(state.depth == DepthUse::kTestAndWrite);
+  glDepthMask(state.depth == DepthUse::kTestAndWrite || state.depth == DepthUse::kWrite);
 }
 
 }  // namespace furnace::gl

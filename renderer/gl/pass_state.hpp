@@ -10,7 +10,8 @@
 
 namespace furnace::gl {
 
-enum class DepthUse { kOff, kTest, kTestAndWrite };
+// kTest: nearer or equal; kSelect: equal; kWrite: always.
+enum class DepthUse { kOff, kTest, kTestAndWrite, kSelect, kWrite };
 enum class Blend {
   kOff,
   kPremultiplied,  // source + (1 - source alpha) * destination
@@ -19,13 +20,9 @@ enum class Blend {
 
 struct PassState {
   GLuint framebuffer = 0;
-  // The whole picture's viewport relative to this framebuffer: a tile draws with a negative offset, so that its fragments
-  // are those of the untiled picture.
-  int viewport_x = 0, viewport_y = 0;
   Extent viewport;
   DepthUse depth = DepthUse::kOff;
   Blend blend = Blend::kOff;
-  bool alpha_to_coverage = false;
   std::optional<glm::vec4> clear_color;
   bool clear_depth = false;  // to 0: reversed depth
 };

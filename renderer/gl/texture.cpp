@@ -93,21 +93,15 @@ Texture upload_texture(Context& context, const Image& image, bool mipmapped) {
   return texture;
 }
 
-Texture create_target(Context& context, GLenum internal_format, Extent extent, int samples) {
-  if (samples <= 1) return create_texture(context, internal_format, extent, 1);
-  GLuint id = 0;
-  glCreateTextures(GL_TEXTURE_2D_MULTISAMPLE, 1, &id);
-  Texture texture(id);
-  glTextureStorage2DMultisample(id, samples, internal_format, extent.width, extent.height, GL_TRUE);
-  check_memory("the frame");
-  return texture;
-}
-
 Framebuffer create_framebuffer(Context&, const Texture& color, const Texture& depth) {
   GLuint id = 0;
   glCreateFramebuffers(1, &id);
   Framebuffer framebuffer(id);
-  glNamedFramebufferTexture(id, GL_COLOR_ATTACHMENT0, color.id(), 0);
+  if (color) {
+    glNamedFramebufferTexture(id, GL_COLOR_ATTACHMENT0, color.id(), 0);
+  } else {
+    glNamedFramebufferDrawBuffer(id, GL_NONE);
+  }
   if (depth) glNamedFramebufferTexture(id, GL_DEPTH_ATTACHMENT, depth.id(), 0);
   if (glCheckNamedFramebufferStatus(id, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
     fail(ErrorCode::kGpuUnavailable, "this GPU cannot draw into the frame's format");

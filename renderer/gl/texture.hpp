@@ -20,10 +20,7 @@ Texture create_texture(Context&, GLenum internal_format, Extent extent, int leve
 // Errors: kTooLarge over the context's texture size, kGpuUnavailable when memory is out.
 Texture upload_texture(Context&, const Image& image, bool mipmapped);
 
-// A render target; samples 1 is a plain 2D texture, more a multisampled one.
-Texture create_target(Context&, GLenum internal_format, Extent extent, int samples);
-
-// `depth` may be empty. Errors: kGpuUnavailable when incomplete.
+// `color` or `depth` may be empty. Errors: kGpuUnavailable when incomplete.
 Framebuffer create_framebuffer(Context&, const Texture& color, const Texture& depth);
 
 // The few samplers a context needs, each made once. Threads: the context's. Owns: its samplers.

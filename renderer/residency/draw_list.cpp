@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cstring>
 
+#include <fmt/format.h>
+
+#include "renderer/base/error.hpp"
+
 namespace furnace {
 namespace {
 
@@ -75,6 +79,11 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
   }
 
   std::vector<gpu::DrawBlock> draw_blocks;
+  constexpr std::size_t kMostDraws = (1u << 20) - 1;  // keys of lib/visibility.glsl
+  if (scene.instances.size() > kMostDraws) {
+    fail(ErrorCode::kTooLarge, fmt::format("{} drawn parts are more than one frame takes ({}); join meshes of equal material",
+                                           scene.instances.size(), kMostDraws));
+  }
   for (const Instance& instance : scene.instances) {
     const PreparedMesh& mesh = scene.meshes[std::size_t(instance.mesh)];
     const GpuMaterial& material = out.materials[std::size_t(instance.material)];
@@ -82,6 +91,7 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
     draw.mesh = residency.mesh(mesh);
     draw.material = instance.material;
     draw.block = int(draw_blocks.size());
+    draw.world_from_model = instance.world_from_model;
     draw.features = material.features;
     // glTF 2.0, 3.7.2.1: points and lines without normals are not lit.
     if (mesh.mesh->normals.empty()) draw.features |= gl::kFeatureUnlit;
@@ -89,14 +99,20 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
     if (draw.features & gl::kFeatureUnlit) {
       draw.features &= ~gl::FeatureSet(gl::kFeatureSharpReflection | gl::kFeatureNormalMap);
     }
-    draw_blocks.push_back(gpu::pack_draw(instance.world_from_model));
+    if (!mesh.mesh->colors.empty()) draw.features |= gl::kFeatureVertexColor;
+    draw.key = std::uint32_t(draw_blocks.size() + 1);
+    draw_blocks.push_back(gpu::pack_draw(instance.world_from_model, draw.key, draw.mesh->vertex_rows));
     draw.mirrored = draw_blocks.back().handedness < 0;
     const glm::vec3 centre = (mesh.mesh->bounds.min + mesh.mesh->bounds.max) * 0.5f;
     draw.distance = glm::distance(view.eye, glm::vec3(instance.world_from_model * glm::vec4(centre, 1)));
-    (material.alpha_mode == AlphaMode::kBlend ? out.blended : out.opaque).push_back(draw);
+    if (material.alpha_mode == AlphaMode::kBlend) {
+      out.blended.push_back(draw);
+    } else {
+      (mesh.mesh->topology == Topology::kTriangles ? out.deferred : out.strokes).push_back(draw);
+    }
   }
   // Stable: equal distances keep the document's order.
-  std::stable_sort(out.opaque.begin(), out.opaque.end(),
+  std::stable_sort(out.deferred.begin(), out.deferred.end(),
                    [](const Draw& a, const Draw& b) { return a.distance < b.distance; });
   std::stable_sort(out.blended.begin(), out.blended.end(),
                    [](const Draw& a, const Draw& b) { return a.distance > b.distance; });

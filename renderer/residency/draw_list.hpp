@@ -26,13 +26,16 @@ struct Draw {
   gl::FeatureSet features = 0;
   bool mirrored = false;  // negative determinant: front faces wind the other way
   float distance = 0;     // m, eye to the centre of the bounds
+  std::uint32_t key = 0;  // DrawBlock::key
+  glm::mat4 world_from_model{1};
 };
 
 // A scene on the GPU, ready to be drawn; its pointers live as long as the frame.
 // Threads: the context's. Owns: its block buffers.
 struct GpuScene {
-  std::vector<Draw> opaque;   // and masked, nearest first
-  std::vector<Draw> blended;  // farthest first
+  std::vector<Draw> deferred;  // opaque and masked triangles, nearest first
+  std::vector<Draw> strokes;   // opaque lines and points
+  std::vector<Draw> blended;   // farthest first
   std::vector<GpuMaterial> materials;
   gl::Buffer draw_blocks, material_blocks;
   GLintptr draw_stride = 0, material_stride = 0;

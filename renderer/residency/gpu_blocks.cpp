@@ -34,12 +34,14 @@ MaterialBlock pack_material(const Material& material) {
   return block;
 }
 
-DrawBlock pack_draw(const glm::mat4& world_from_model) {
+DrawBlock pack_draw(const glm::mat4& world_from_model, uint key, uint vertex_rows) {
   DrawBlock block{};
   const glm::mat3 linear(world_from_model);
   const float determinant = glm::determinant(linear);
   block.world_from_model = world_from_model;
   block.handedness = determinant < 0 ? -1.f : 1.f;
+  block.key = key;
+  block.vertex_rows = vertex_rows;
   // The cofactor matrix is the inverse transpose times the determinant: finite for flattened nodes too.
   const glm::mat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
                            glm::cross(linear[0], linear[1]));

@@ -29,6 +29,7 @@ inline constexpr std::optional<TextureSlot> Material::*kMaterialSlots[kSlotCount
     &Material::occlusion_texture, &Material::emissive_texture};
 
 MaterialBlock pack_material(const Material& material);
-DrawBlock pack_draw(const glm::mat4& world_from_model);
+// `key`, `vertex_rows`: see draw_block.glsl.
+DrawBlock pack_draw(const glm::mat4& world_from_model, uint key, uint vertex_rows);
 
 }  // namespace furnace::gpu

@@ -1,22 +1,16 @@
 #include "renderer/residency/gpu_mesh.hpp"
 
-#include <cstring>
+#include <bit>
+
+#include <fmt/format.h>
+
+#include "renderer/base/error.hpp"
+#include "renderer/scene/mesh_patches.hpp"
 
 namespace furnace {
 namespace {
 
-struct AttributeArray {
-  GLuint location;
-  GLint components;
-  const void* data;
-  std::size_t count;
-  std::size_t stride;
-};
-
-template <class T>
-AttributeArray array_of(GLuint location, GLint components, const std::vector<T>& values) {
-  return {location, components, values.data(), values.size(), sizeof(T)};
-}
+using Row = glm::vec4;
 
 GLenum primitive_mode(Topology topology) {
   switch (topology) {
@@ -30,43 +24,70 @@ GLenum primitive_mode(Topology topology) {
   return GL_TRIANGLES;
 }
 
+template <class T>
+T value_at(const std::vector<T>& values, std::size_t i) {
+  return values.empty() ? T(0) : values[i];
+}
+
+// The patch number rides in the last component of the position's row, as bits.
+std::vector<Row> interleave(const Mesh& mesh, std::uint32_t rows) {
+  const std::vector<std::uint32_t> patches = mesh_patches(mesh);
+  std::vector<Row> vertices;
+  vertices.reserve(mesh.positions.size() * rows);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    vertices.emplace_back(mesh.positions[i], std::bit_cast<float>(patches[i]));
+    vertices.emplace_back(value_at(mesh.normals, i), 0);
+    vertices.push_back(value_at(mesh.tangents, i));
+    vertices.emplace_back(value_at(mesh.uvs[0], i), value_at(mesh.uvs[1], i));
+    if (!mesh.colors.empty()) vertices.push_back(mesh.colors[i]);
+  }
+  return vertices;
+}
+
+// Locations of forward.vert and visibility.vert.
+void describe_attributes(const GpuMesh& mesh) {
+  constexpr GLuint kPosition = 0, kNormal = 1, kTangent = 2, kUvs = 3, kColor = 5, kPatch = 6;
+  const GLuint vao = mesh.vertex_array.id();
+  glVertexArrayVertexBuffer(vao, 0, mesh.vertices.id(), 0, GLsizei(mesh.vertex_rows * sizeof(Row)));
+  const auto row = [&](GLuint location, GLint components, GLuint index) {
+    glEnableVertexArrayAttrib(vao, location);
+    glVertexArrayAttribFormat(vao, location, components, GL_FLOAT, GL_FALSE, GLuint(index * sizeof(Row)));
+    glVertexArrayAttribBinding(vao, location, 0);
+  };
+  row(kPosition, 3, 0);
+  row(kNormal, 3, 1);
+  row(kTangent, 4, 2);
+  row(kUvs, 4, 3);
+  if (mesh.vertex_rows > 4) row(kColor, 4, 4);
+  glEnableVertexArrayAttrib(vao, kPatch);
+  glVertexArrayAttribIFormat(vao, kPatch, 1, GL_UNSIGNED_INT, 3 * sizeof(float));
+  glVertexArrayAttribBinding(vao, kPatch, 0);
+  glVertexArrayElementBuffer(vao, mesh.indices.id());
+}
+
 }  // namespace
 
 GpuMesh upload_mesh(gl::Context& context, const Mesh& mesh) {
-  // Locations of surface.vert.
-  const AttributeArray arrays[] = {array_of(0, 3, mesh.positions), array_of(1, 3, mesh.normals),
-                                   array_of(2, 4, mesh.tangents),  array_of(3, 2, mesh.uvs[0]),
-                                   array_of(4, 2, mesh.uvs[1]),    array_of(5, 4, mesh.colors)};
-  std::size_t bytes = 0;
-  for (const AttributeArray& array : arrays) bytes += array.count * array.stride;
-  std::vector<std::byte> packed(bytes);
-
   GpuMesh gpu;
-  gpu.vertex_array = gl::create_vertex_array(context);
-  const GLuint vao = gpu.vertex_array.id();
-  std::size_t offset = 0;
-  for (const AttributeArray& array : arrays) {
-    if (array.count == 0) continue;
-    std::memcpy(packed.data() + offset, array.data, array.count * array.stride);
-    glEnableVertexArrayAttrib(vao, array.location);
-    glVertexArrayAttribFormat(vao, array.location, array.components, GL_FLOAT, GL_FALSE, 0);
-    glVertexArrayAttribBinding(vao, array.location, array.location);
-    offset += array.count * array.stride;
+  gpu.vertex_rows = mesh.colors.empty() ? 4 : 5;
+  const std::size_t rows = mesh.positions.size() * gpu.vertex_rows;
+  const std::size_t limit = context.limits().max_buffer_texels;
+  if (std::max(rows, mesh.indices.size()) > limit) {
+    fail(ErrorCode::kTooLarge,
+         fmt::format("mesh \"{}\" has {} vertices and {} indices, more than this GPU can read at once; divide it",
+                     mesh.name, mesh.positions.size(), mesh.indices.size()));
   }
-  gpu.vertices = gl::create_buffer(context, packed.data(), packed.size());
+  const std::vector<Row> vertices = interleave(mesh, gpu.vertex_rows);
+  gpu.vertices = gl::create_buffer(context, vertices.data(), rows * sizeof(Row));
   gpu.indices = gl::create_buffer(context, mesh.indices.data(), mesh.indices.size() * sizeof(std::uint32_t));
-  offset = 0;
-  for (const AttributeArray& array : arrays) {
-    if (array.count == 0) continue;
-    glVertexArrayVertexBuffer(vao, array.location, gpu.vertices.id(), GLintptr(offset),
-                              GLsizei(array.stride));
-    offset += array.count * array.stride;
-  }
-  glVertexArrayElementBuffer(vao, gpu.indices.id());
+  gpu.vertex_texels = gl::create_buffer_texture(context, GL_RGBA32F, gpu.vertices);
+  gpu.index_texels = gl::create_buffer_texture(context, GL_R32UI, gpu.indices);
+  gpu.vertex_array = gl::create_vertex_array(context);
+  describe_attributes(gpu);
   gpu.mode = primitive_mode(mesh.topology);
   gpu.index_count = GLsizei(mesh.indices.size());
   gpu.bounds = mesh.bounds;
-  gpu.bytes = bytes + mesh.indices.size() * sizeof(std::uint32_t);
+  gpu.bytes = rows * sizeof(Row) + mesh.indices.size() * sizeof(std::uint32_t);
   return gpu;
 }
 

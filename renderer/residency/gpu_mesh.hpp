@@ -1,4 +1,5 @@
-// A mesh on the GPU: one buffer of attribute arrays, one of indices.
+// A mesh on the GPU: one buffer of interleaved vertices, one of indices; both are read by the rasteriser and, as textures, by
+// deferred shading.
 #pragma once
 
 #include "renderer/gl/gl.hpp"
@@ -9,14 +10,18 @@ namespace furnace {
 // Threads: the context's. Owns: its buffers.
 struct GpuMesh {
   gl::Buffer vertices, indices;
+  gl::Texture vertex_texels;  // rows of four floats: position, normal, tangent, both UV sets, and colour where there is one
+  gl::Texture index_texels;
   gl::VertexArray vertex_array;
   GLenum mode = GL_TRIANGLES;
   GLsizei index_count = 0;
+  std::uint32_t vertex_rows = 0;  // rows a vertex
   Bounds bounds;
   std::size_t bytes = 0;
 };
 
 // Absent attributes read as glTF's neutral values: colour 1, everything else 0.
+// Errors: kTooLarge when it has more vertices than the GPU can read.
 GpuMesh upload_mesh(gl::Context& context, const Mesh& mesh);
 
 }  // namespace furnace

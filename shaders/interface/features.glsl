@@ -9,7 +9,8 @@
 // FEATURE_MATERIAL_MAPS      base colour, metallic-roughness and occlusion textures are read
 // FEATURE_PACKED_OCCLUSION   occlusion is the red channel of the metallic-roughness texture: one fetch for both
 // FEATURE_EMISSIVE_MAP       the emissive texture is read
+// FEATURE_VERTEX_COLOR       vertices have colours
 // FEATURE_SHARP_REFLECTION   roughness may fall below the first baked level: the environment itself is read too
-// FEATURE_MULTISAMPLED       the frame has several samples a pixel
+// FEATURE_VEIL               blended surfaces, lines or points stand before the frame
 // FEATURE_SKY                the environment stands behind the frame
 // FEATURE_MAGNIFIED          its texels are larger than pixels: they are interpolated smoothly

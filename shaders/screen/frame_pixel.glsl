@@ -1,20 +1,21 @@
-// A pixel of the frame: the mean of its samples over the environment behind it. Compositing the background here, once a pixel,
-// is exact (the frame is premultiplied, the mean is linear) and spares writing it to every sample.
+// A pixel of the frame with what stands before it (the veil) and behind it (the background). All is premultiplied and the mean
+// of samples is linear, so composing the mean is exact where the background is one for the pixel.
 #include "interface/frame_block.glsl"
 #include "lib/sphere.glsl"
+#include "lib/visibility.glsl"
 
-#if FEATURE_MULTISAMPLED
-layout(binding = 0) uniform sampler2DMS frame_map;
-
-vec4 frame_samples(ivec2 at) {
-  return 0.25 * (texelFetch(frame_map, at, 0) + texelFetch(frame_map, at, 1) + texelFetch(frame_map, at, 2) +
-                 texelFetch(frame_map, at, 3));
-}
-#else
 layout(binding = 0) uniform sampler2D frame_map;
-
-vec4 frame_samples(ivec2 at) { return texelFetch(frame_map, at, 0); }
+#if FEATURE_VEIL
+layout(binding = 1) uniform sampler2D veil_map;
 #endif
+
+vec4 composed(ivec2 at, vec4 background) {
+  vec4 pixel = texelFetch(frame_map, at, 0);
+#if FEATURE_VEIL
+  for (uint i = 0u; i < SAMPLE_COUNT; ++i) pixel += texelFetch(veil_map, sample_at(at, i), 0) / float(SAMPLE_COUNT);
+#endif
+  return pixel + max(1.0 - pixel.a, 0.0) * background;
+}
 
 #if FEATURE_SKY
 layout(std140, binding = 0) uniform FrameUniform { FrameBlock frame; };
@@ -49,9 +50,10 @@ vec4 frame_pixel(ivec2 at, vec2 ndc) {
 #else
   vec3 sky = textureLod(sky_map, uv, frame.sky_lod).rgb;
 #endif
-  vec4 pixel = frame_samples(at);
-  return vec4(pixel.rgb + (1.0 - pixel.a) * frame.sky_gain * sky, 1.0);
+  return composed(at, vec4(frame.sky_gain * sky, 1.0));
 }
 #else
-vec4 frame_pixel(ivec2 at, vec2 ndc) { return frame_samples(at); }
+layout(location = 3) uniform vec4 background;  // premultiplied
+
+vec4 frame_pixel(ivec2 at, vec2 ndc) { return composed(at, background); }
 #endif

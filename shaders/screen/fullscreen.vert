@@ -1,4 +1,4 @@
-// One triangle over the whole viewport .
+// One triangle over the whole viewport.
 layout(location = 0) out vec2 ndc;
 
 void main() {

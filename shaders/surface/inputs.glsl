@@ -1,22 +1,25 @@
-// Textures, material and interpolated attributes -> Surface.
+// Interpolated attributes, textures and material -> Surface.
 #include "interface/frame_block.glsl"
-#include "interface/material_block.glsl"
 #include "lib/brdf.glsl"
+#include "surface/material.glsl"
 
 layout(std140, binding = 0) uniform FrameUniform { FrameBlock frame; };
-layout(std140, binding = 2) uniform MaterialUniform { MaterialBlock material; };
 
-layout(binding = 0) uniform sampler2D base_color_map;
-layout(binding = 1) uniform sampler2D metallic_roughness_map;
-layout(binding = 2) uniform sampler2D normal_map;
-layout(binding = 3) uniform sampler2D occlusion_map;
-layout(binding = 4) uniform sampler2D emissive_map;
+// A point of a surface as its vertices describe it; forward.frag and deferred.frag have it from different places.
+struct Attributes {
+  vec3 position_world;
+  vec3 normal_world;        // not normalised
+  vec4 tangent_world;
+  vec4 uv01;                // both UV sets
+  vec4 uv01_dx, uv01_dy;    // a pixel further right, down
+  vec4 color;
+  bool front;
+};
 
-layout(location = 0) in vec3 position_world;
-layout(location = 1) in vec3 normal_world;
-layout(location = 2) in vec4 tangent_world;
-layout(location = 3) in vec4 uv01;
-layout(location = 4) in vec4 vertex_color;
+// What a shader that includes this gives: of a quad of pixels the software rasteriser takes one for all.
+float quad_lod(float lod);
+// Differences of `normal` to the neighbouring pixels; 0 where they see something else.
+void normal_derivatives(vec3 normal, out vec3 dx, out vec3 dy);
 
 struct Surface {
   vec4 base_color;
@@ -29,61 +32,60 @@ struct Surface {
   float NoV;
 };
 
-const uint SLOT_BASE_COLOR = 0u;
-const uint SLOT_METALLIC_ROUGHNESS = 1u;
-const uint SLOT_NORMAL = 2u;
-const uint SLOT_OCCLUSION = 3u;
-const uint SLOT_EMISSIVE = 4u;
-
-vec2 slot_uv(uint slot) {
-  vec3 uv = vec3((material.uv_sets >> slot & 1u) == 0u ? uv01.xy : uv01.zw, 1.0);
-  return vec2(dot(material.uv_rows[2u * slot].xyz, uv), dot(material.uv_rows[2u * slot + 1u].xyz, uv));
+vec4 sample_slot(sampler2D map, uint slot, Attributes a) {
+  vec2 size = vec2(textureSize(map, 0));
+  vec2 dx = slot_coordinates(slot, a.uv01_dx, 0.0) * size;
+  vec2 dy = slot_coordinates(slot, a.uv01_dy, 0.0) * size;
+  float lod = 0.5 * log2(max(max(dot(dx, dx), dot(dy, dy)), 1e-12));
+  return textureLod(map, slot_uv(slot, a.uv01), quad_lod(lod));
 }
 
-vec3 to_viewer_world() {
+vec3 to_viewer_world(vec3 position_world) {
   return frame.eye_world.w > 0.5 ? normalize(frame.eye_world.xyz - position_world) : frame.towards_viewer_world.xyz;
 }
 
-vec3 shading_normal() {
-  vec3 n = normalize(normal_world);
+vec3 shading_normal(Attributes a) {
+  vec3 n = normalize(a.normal_world);
 #if FEATURE_NORMAL_MAP
   // MikkTSpace: the interpolated frame is used as it is, not re-orthogonalised (Mikkelsen 2008).
-  vec3 t = tangent_world.xyz;
-  vec3 b = tangent_world.w * cross(normal_world, t);
-  vec3 m = texture(normal_map, slot_uv(SLOT_NORMAL)).xyz * 2.0 - 1.0;
+  vec3 t = a.tangent_world.xyz;
+  vec3 b = a.tangent_world.w * cross(a.normal_world, t);
+  vec3 m = sample_slot(normal_map, SLOT_NORMAL, a).xyz * 2.0 - 1.0;
   m = vec3(m.xy * material.normal_scale, m.z);
-  vec3 mapped = m.x * t + m.y * b + m.z * normal_world;
+  vec3 mapped = m.x * t + m.y * b + m.z * a.normal_world;
   float length2 = dot(mapped, mapped);
   n = length2 > 1e-12 ? mapped * inversesqrt(length2) : n;
 #endif
-  return material.double_sided != 0u && !gl_FrontFacing ? -n : n;
+  return material.double_sided != 0u && !a.front ? -n : n;
 }
 
-Surface read_surface() {
+Surface read_surface(Attributes a) {
   Surface s;
-  s.base_color = material.base_color * vertex_color;
+  s.base_color = material.base_color * a.color;
   s.emissive = material.emissive.rgb;
   s.metallic = material.metallic;
   s.occlusion = 1.0;
   float roughness = material.perceptual_roughness;
 #if FEATURE_MATERIAL_MAPS
-  s.base_color *= texture(base_color_map, slot_uv(SLOT_BASE_COLOR));
-  vec3 packed_map = texture(metallic_roughness_map, slot_uv(SLOT_METALLIC_ROUGHNESS)).rgb;
+  s.base_color *= sample_slot(base_color_map, SLOT_BASE_COLOR, a);
+  vec3 packed_map = sample_slot(metallic_roughness_map, SLOT_METALLIC_ROUGHNESS, a).rgb;
   roughness *= packed_map.g;
   s.metallic *= packed_map.b;
 #if FEATURE_PACKED_OCCLUSION
   float visible = packed_map.r;
 #else
-  float visible = texture(occlusion_map, slot_uv(SLOT_OCCLUSION)).r;
+  float visible = sample_slot(occlusion_map, SLOT_OCCLUSION, a).r;
 #endif
   s.occlusion += material.occlusion_strength * (visible - 1.0);
 #endif
 #if FEATURE_EMISSIVE_MAP
-  s.emissive *= texture(emissive_map, slot_uv(SLOT_EMISSIVE)).rgb;
+  s.emissive *= sample_slot(emissive_map, SLOT_EMISSIVE, a).rgb;
 #endif
-  s.normal = shading_normal();
-  s.to_viewer = to_viewer_world();
+  s.normal = shading_normal(a);
+  s.to_viewer = to_viewer_world(a.position_world);
   s.NoV = clamp(dot(s.normal, s.to_viewer), MIN_COSINE, 1.0);
-  s.alpha = antialiased_alpha(dFdx(s.normal), dFdy(s.normal), roughness * roughness, frame.pixel_footprint);
+  vec3 dndx, dndy;
+  normal_derivatives(s.normal, dndx, dndy);
+  s.alpha = antialiased_alpha(dndx, dndy, roughness * roughness, frame.pixel_footprint);
   return s;
 }

@@ -1,0 +1,81 @@
+#include "renderer/frame/draw_binding.hpp"
+
+namespace furnace {
+namespace {
+
+constexpr GLuint kDrawBinding = 1, kMaterialBinding = 2;
+constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kDfgUnit = 7;
+constexpr GLuint kColorLocation = 5;
+
+constexpr SamplerDesc kSkySampler{Wrap::kRepeat, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
+                                  MipFilter::kLinear};
+constexpr SamplerDesc kTableSampler{Wrap::kClampToEdge, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
+                                    MipFilter::kNone};
+// Integer textures are complete only so.
+constexpr SamplerDesc kTexelSampler{Wrap::kClampToEdge, Wrap::kClampToEdge, Filter::kNearest, Filter::kNearest,
+                                    MipFilter::kNone};
+
+}  // namespace
+
+gl::PassState tile_state(const PassContext& pass, const gl::Framebuffer& framebuffer, Grid grid) {
+  const int per_pixel = grid == Grid::kSamples ? 2 : 1;
+  gl::PassState state;
+  state.framebuffer = framebuffer.id();
+  state.viewport = {per_pixel * pass.tile.size.width, per_pixel * pass.tile.size.height};
+  return state;
+}
+
+void bind_sky(const PassContext& pass) {
+  glBindTextureUnit(kSkyUnit, pass.scene.environment->sky.id());
+  glBindSampler(kSkyUnit, pass.residency.samplers().get(pass.context, kSkySampler));
+}
+
+void bind_environment(const PassContext& pass) {
+  bind_sky(pass);
+  gl::SamplerCache& samplers = pass.residency.samplers();
+  glBindTextureUnit(kAtlasUnit, pass.scene.environment->atlas.id());
+  glBindSampler(kAtlasUnit, samplers.get(pass.context, kTableSampler));
+  glBindTextureUnit(kDfgUnit, pass.residency.dfg_texture());
+  glBindSampler(kDfgUnit, samplers.get(pass.context, kTableSampler));
+}
+
+void bind_texels(const PassContext& pass, GLuint unit, const gl::Texture& texture) {
+  glBindTextureUnit(unit, texture.id());
+  glBindSampler(unit, pass.residency.samplers().get(pass.context, kTexelSampler));
+}
+
+void bind_draw(const PassContext& pass, const Draw& draw) {
+  const GpuScene& scene = pass.scene;
+  const GpuMaterial& material = scene.materials[std::size_t(draw.material)];
+  glBindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, scene.draw_blocks.id(), draw.block * scene.draw_stride,
+                    sizeof(gpu::DrawBlock));
+  glBindBufferRange(GL_UNIFORM_BUFFER, kMaterialBinding, scene.material_blocks.id(),
+                    draw.material * scene.material_stride, sizeof(gpu::MaterialBlock));
+  glBindTextures(0, gpu::kSlotCount, material.textures.data());
+  glBindSamplers(0, gpu::kSlotCount, material.samplers.data());
+}
+
+void bind_program(const PassContext& pass, const char* vertex, const char* fragment, gl::FeatureSet features) {
+  glUseProgram(pass.programs.request(pass.context, {vertex, fragment, features}));
+}
+
+void draw_viewport(const PassContext& pass) {
+  glBindVertexArray(pass.empty_vertex_array.id());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void draw_mesh(const Draw& draw, GLenum face) {
+  if (face == GL_NONE) {
+    glDisable(GL_CULL_FACE);
+  } else {
+    glEnable(GL_CULL_FACE);
+    glCullFace(face);
+  }
+  // GL reverses the sense of winding itself when the clip origin is the upper left.
+  glFrontFace(draw.mirrored ? GL_CW : GL_CCW);
+  glVertexAttrib4f(kColorLocation, 1, 1, 1, 1);
+  glBindVertexArray(draw.mesh->vertex_array.id());
+  glDrawElements(draw.mesh->mode, draw.mesh->index_count, GL_UNSIGNED_INT, nullptr);
+}
+
+}  // namespace furnace

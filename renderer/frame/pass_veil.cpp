@@ -1,0 +1,43 @@
+#include "renderer/frame/draw_binding.hpp"
+
+namespace furnace {
+namespace {
+
+void bind(const PassContext& pass, const Draw& draw) {
+  bind_program(pass, "surface/forward.vert", "surface/forward.frag", draw.features);
+  bind_draw(pass, draw);
+}
+
+void draw_strokes(const PassContext& pass) {
+  gl::PassState state = tile_state(pass, pass.targets.veil->framebuffer, Grid::kSamples);
+  state.depth = gl::DepthUse::kTestAndWrite;
+  state.clear_color = glm::vec4(0);
+  gl::begin_pass(pass.context, state);
+  bind_environment(pass);
+  for (const Draw& draw : pass.scene.strokes) {
+    bind(pass, draw);
+    draw_mesh(draw, GL_NONE);
+  }
+}
+
+}  // namespace
+
+void pass_veil(const PassContext& pass) {
+  if (!pass.veiled()) return;
+  draw_strokes(pass);
+  gl::PassState state = tile_state(pass, pass.targets.veil->framebuffer, Grid::kSamples);
+  state.depth = gl::DepthUse::kTest;
+  state.blend = gl::Blend::kPremultiplied;
+  gl::begin_pass(pass.context, state);
+  bind_environment(pass);
+  for (const Draw& draw : pass.scene.blended) {
+    bind(pass, draw);
+    if (pass.scene.materials[std::size_t(draw.material)].double_sided && draw.mesh->mode == GL_TRIANGLES) {
+      // The far side first: of a closed shape both sides then blend in order.
+      draw_mesh(draw, GL_FRONT);
+    }
+    draw_mesh(draw, GL_BACK);
+  }
+}
+
+}  // namespace furnace

@@ -1,0 +1,131 @@
+// Shades what sample `layer` of each pixel sees, times the share of the pixel that it stands for.
+#include "interface/draw_block.glsl"
+#include "lib/visibility.glsl"
+#include "surface/radiance.glsl"
+
+layout(std140, binding = 1) uniform DrawUniform { DrawBlock draw; };
+
+layout(binding = 8) uniform usampler2D visibility_map;
+layout(binding = 9) uniform usampler2D shares_map;
+layout(binding = 10) uniform samplerBuffer vertices;    // draw.vertex_rows rows a vertex
+layout(binding = 11) uniform usamplerBuffer triangles;  // three vertex numbers each
+#if FEATURE_VEIL
+layout(binding = 12) uniform sampler2D veil_map;
+#endif
+
+layout(location = 0) uniform uint layer;
+layout(location = 0) in vec2 ndc;
+layout(location = 0) out vec4 out_color;  // linear radiance, premultiplied
+
+// What the pixel sees; another draw's pixels are shaded beside ours to complete a quad, and must be known for that.
+uint seen_surface;
+bool is_ours;
+
+float quad_lod(float lod) {
+  // The least of the quad, leaving out pixels that are not ours.
+  const float other = 64.0;
+  lod = is_ours ? lod : other;
+  float right = lod + dFdxFine(lod) * (gl_FragCoord.x - 2.0 * floor(0.5 * gl_FragCoord.x) < 1.0 ? 1.0 : -1.0);
+  lod = min(lod, right);
+  float below = lod + dFdyFine(lod) * (gl_FragCoord.y - 2.0 * floor(0.5 * gl_FragCoord.y) < 1.0 ? 1.0 : -1.0);
+  return min(lod, below);
+}
+
+void normal_derivatives(vec3 normal, out vec3 dx, out vec3 dy) {
+  vec2 seen = vec2(seen_surface & 0xffffu, seen_surface >> 16u);  // exact as floats
+  dx = dFdxFine(seen) == vec2(0.0) ? dFdxFine(normal) : vec3(0.0);
+  dy = dFdyFine(seen) == vec2(0.0) ? dFdyFine(normal) : vec3(0.0);
+}
+
+struct Corner {
+  vec3 position_model;
+  vec3 clip;  // x, y, w
+};
+
+Corner read_corner(int row) {
+  Corner c;
+  c.position_model = texelFetch(vertices, row).xyz;
+  c.clip = (frame.clip_from_world * (draw.world_from_model * vec4(c.position_model, 1.0))).xyw;
+  return c;
+}
+
+// Olano and Greer 1997, "Triangle Scan Conversion using 2D Homogeneous Coordinates": perspective-correct weights of the
+// corners at `ndc`, not normalised, their sum positive for one sense of winding. Differences are taken first, so that small
+// triangles keep their digits.
+vec3 corner_weights(Corner c[3], vec2 at) {
+  vec2 q0 = c[0].clip.xy - at * c[0].clip.z;
+  vec2 q1 = c[1].clip.xy - at * c[1].clip.z;
+  vec2 q2 = c[2].clip.xy - at * c[2].clip.z;
+  return vec3(q1.x * q2.y - q1.y * q2.x, q2.x * q0.y - q2.y * q0.x, q0.x * q1.y - q0.y * q1.x);
+}
+
+vec3 normalised_weights(vec3 weights) {
+  float sum = weights.x + weights.y + weights.z;
+  return weights / (abs(sum) > 0.0 ? sum : 1.0);
+}
+
+vec4 interpolate(ivec3 rows, int row, vec3 weights) {
+  return texelFetch(vertices, rows.x + row) * weights.x + texelFetch(vertices, rows.y + row) * weights.y +
+         texelFetch(vertices, rows.z + row) * weights.z;
+}
+
+Attributes seen_attributes(uint triangle) {
+  ivec3 corner = ivec3(3u * triangle) + ivec3(0, 1, 2);
+  ivec3 rows = int(draw.vertex_rows) * ivec3(texelFetch(triangles, corner.x).x, texelFetch(triangles, corner.y).x,
+                                             texelFetch(triangles, corner.z).x);
+  Corner c[3] = Corner[3](read_corner(rows.x), read_corner(rows.y), read_corner(rows.z));
+  vec2 pixel = vec2(frame.ndc_per_pixel_x, frame.ndc_per_pixel_y);
+  vec3 weights = corner_weights(c, ndc);
+  bool front = (weights.x + weights.y + weights.z > 0.0) == (draw.handedness > 0.0);
+  vec3 at = normalised_weights(weights);
+  vec3 dx = normalised_weights(corner_weights(c, ndc + vec2(pixel.x, 0.0))) - at;
+  vec3 dy = normalised_weights(corner_weights(c, ndc + vec2(0.0, pixel.y))) - at;
+  // The pixel's centre may lie outside of a triangle that only its samples see.
+  at = max(at, vec3(0.0));
+  at /= at.x + at.y + at.z;
+
+  Attributes a;
+  a.position_world = (draw.world_from_model *
+                      vec4(c[0].position_model * at.x + c[1].position_model * at.y + c[2].position_model * at.z, 1.0)).xyz;
+  a.normal_world = mat3(draw.world_from_model_normal) * interpolate(rows, 1, at).xyz;
+  a.tangent_world = vec4(0.0);
+#if FEATURE_NORMAL_MAP
+  vec4 tangent = interpolate(rows, 2, at);
+  a.tangent_world = vec4(mat3(draw.world_from_model) * tangent.xyz, tangent.w * draw.handedness);
+#endif
+  vec4 uv_0 = texelFetch(vertices, rows.x + 3), uv_1 = texelFetch(vertices, rows.y + 3),
+       uv_2 = texelFetch(vertices, rows.z + 3);
+  a.uv01 = uv_0 * at.x + uv_1 * at.y + uv_2 * at.z;
+  a.uv01_dx = uv_0 * dx.x + uv_1 * dx.y + uv_2 * dx.z;
+  a.uv01_dy = uv_0 * dy.x + uv_1 * dy.y + uv_2 * dy.z;
+  a.color = vec4(1.0);
+#if FEATURE_VERTEX_COLOR
+  a.color = interpolate(rows, 4, at);
+#endif
+  a.front = front;
+  return a;
+}
+
+// Of the pixel: the samples that take this shading, where no veil hides them.
+float pixel_share(ivec2 pixel, uint shares) {
+  float share = 0.0;
+  for (uint i = 0u; i < SAMPLE_COUNT; ++i) {
+    if (shaded_by(shares, i) != layer) continue;
+#if FEATURE_VEIL
+    share += 1.0 - texelFetch(veil_map, sample_at(pixel, i), 0).a;
+#else
+    share += 1.0;
+#endif
+  }
+  return share / float(SAMPLE_COUNT);
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  uvec2 texel = texelFetch(visibility_map, sample_at(pixel, layer), 0).xy;
+  seen_surface = texel.y;
+  is_ours = key_of(seen_surface) == draw.key;
+  Surface s = read_surface(seen_attributes(is_ours ? texel.x : 0u));
+  float share = pixel_share(pixel, texelFetch(shares_map, pixel, 0).x);
+  out_color = vec4(surface_radiance(s) * share, share);
+}

@@ -1,0 +1,32 @@
+#include "surface/radiance.glsl"
+
+layout(location = 0) in vec3 position_world;
+layout(location = 1) in vec3 normal_world;
+layout(location = 2) in vec4 tangent_world;
+layout(location = 3) in vec4 uv01;
+layout(location = 4) in vec4 vertex_color;
+
+layout(location = 0) out vec4 out_color;  // linear radiance, premultiplied by alpha
+
+float quad_lod(float lod) { return lod; }
+
+// A sample is half a pixel.
+void normal_derivatives(vec3 normal, out vec3 dx, out vec3 dy) {
+  dx = 2.0 * dFdx(normal);
+  dy = 2.0 * dFdy(normal);
+}
+
+void main() {
+  Attributes a = Attributes(position_world, normal_world, tangent_world, uv01, 2.0 * dFdx(uv01), 2.0 * dFdy(uv01),
+                            vertex_color, gl_FrontFacing);
+  Surface s = read_surface(a);
+  vec3 radiance = surface_radiance(s);
+#if FEATURE_ALPHA_BLEND
+  out_color = vec4(radiance * s.base_color.a, s.base_color.a);
+#else
+#if FEATURE_ALPHA_MASK
+  if (s.base_color.a < material.alpha_cutoff) discard;
+#endif
+  out_color = vec4(radiance, 1.0);
+#endif
+}
