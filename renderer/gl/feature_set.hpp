@@ -15,11 +15,12 @@ enum Feature : FeatureSet {
   kFeatureMaterialMaps = 1u << 4,
   kFeaturePackedOcclusion = 1u << 5,
   kFeatureEmissiveMap = 1u << 6,
-  kFeatureVertexColor = 1u << 7,
-  kFeatureSharpReflection = 1u << 8,
-  kFeatureVeil = 1u << 9,
-  kFeatureSky = 1u << 10,
-  kFeatureMagnified = 1u << 11,
+  kFeatureAlignedMaps = 1u << 7,
+  kFeatureVertexColor = 1u << 8,
+  kFeatureSharpReflection = 1u << 9,
+  kFeatureVeil = 1u << 10,
+  kFeatureSky = 1u << 11,
+  kFeatureMagnified = 1u << 12,
 };
 
 }  // namespace furnace::gl

@@ -46,6 +46,19 @@ gl::FeatureSet material_features(const Material& material, const GpuTexture* rou
   return features;
 }
 
+// The size of every texture of the material, if they share it and are all read at the same place.
+std::optional<Extent> common_map_size(const Material& material, const std::vector<const GpuTexture*>& textures) {
+  std::optional<Extent> size;
+  for (const auto slot : gpu::kMaterialSlots) {
+    const std::optional<TextureSlot>& map = material.*slot;
+    if (!map) continue;
+    const Extent extent = textures[std::size_t(map->image)]->extent;
+    if (map->uv_set != 0 || map->transform != UvTransform{} || (size && *size != extent)) return std::nullopt;
+    size = extent;
+  }
+  return size;
+}
+
 }  // namespace
 
 bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedScene& scene, const View& view,
@@ -74,8 +87,13 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
         material_features(material, roughness_map, scene.environment->atlas.level_roughness.front());
     gpu_material.alpha_mode = material.alpha_mode;
     gpu_material.double_sided = material.double_sided;
-    out.materials.push_back(gpu_material);
     material_blocks.push_back(gpu::pack_material(material));
+    if (const std::optional<Extent> size = common_map_size(material, textures)) {
+      gpu_material.features |= gl::kFeatureAlignedMaps;
+      material_blocks.back().map_width = float(size->width);
+      material_blocks.back().map_height = float(size->height);
+    }
+    out.materials.push_back(gpu_material);
   }
 
   std::vector<gpu::DrawBlock> draw_blocks;

@@ -17,6 +17,7 @@ namespace furnace {
 
 struct GpuTexture {
   gl::Texture texture;
+  Extent extent;
   std::size_t bytes = 0;
   float lowest_green = 0;  // PreparedTexture::lowest_green
 };

@@ -9,6 +9,7 @@
 // FEATURE_MATERIAL_MAPS      base colour, metallic-roughness and occlusion textures are read
 // FEATURE_PACKED_OCCLUSION   occlusion is the red channel of the metallic-roughness texture: one fetch for both
 // FEATURE_EMISSIVE_MAP       the emissive texture is read
+// FEATURE_ALIGNED_MAPS       every texture is of one size and read at UV set 0, untransformed: one level of detail for all
 // FEATURE_VERTEX_COLOR       vertices have colours
 // FEATURE_SHARP_REFLECTION   roughness may fall below the first baked level: the environment itself is read too
 // FEATURE_VEIL               blended surfaces, lines or points stand before the frame

@@ -2,7 +2,6 @@
 #include "screen/frame_pixel.glsl"
 
 layout(location = 0) uniform float weight;  // 1 / sub-frames
-layout(location = 0) in vec2 ndc;
 layout(location = 0) out vec4 out_color;
 
-void main() { out_color = frame_pixel(ivec2(gl_FragCoord.xy), ndc) * weight; }
+void main() { out_color = frame_pixel(ivec2(gl_FragCoord.xy)) * weight; }

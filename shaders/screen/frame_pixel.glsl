@@ -1,6 +1,5 @@
 // A pixel of the frame with what stands before it (the veil) and behind it (the background). All is premultiplied and the mean
 // of samples is linear, so composing the mean is exact where the background is one for the pixel.
-#include "interface/frame_block.glsl"
 #include "lib/sphere.glsl"
 #include "lib/visibility.glsl"
 
@@ -18,8 +17,10 @@ vec4 composed(ivec2 at, vec4 background) {
 }
 
 #if FEATURE_SKY
-layout(std140, binding = 0) uniform FrameUniform { FrameBlock frame; };
 layout(binding = 5) uniform sampler2D sky_map;
+
+layout(location = 0) in vec3 sky_ray;  // in the frame of the environment, not normalised
+layout(location = 1) flat in vec2 sky;    // radiance per stored unit; mip level
 
 // Sigg and Hadwiger 2005, "Fast Third-Order Texture Filtering": the cubic B-spline, which cannot ring next to a sun, by
 // four bilinear fetches.
@@ -42,18 +43,17 @@ vec3 sky_bicubic(vec2 uv) {
          g1.y * (g0.x * textureLod(sky_map, vec2(p0.x, p1.y), 0.0).rgb + g1.x * textureLod(sky_map, p1, 0.0).rgb);
 }
 
-vec4 frame_pixel(ivec2 at, vec2 ndc) {
-  vec3 direction = normalize(mat3(frame.environment_from_world) * (mat3(frame.world_from_ray) * vec3(ndc, 1.0)));
-  vec2 uv = equirect_from_direction(direction);
+vec4 frame_pixel(ivec2 at) {
+  vec2 uv = equirect_from_direction(sky_ray);
 #if FEATURE_MAGNIFIED
-  vec3 sky = sky_bicubic(uv);
+  vec3 radiance = sky_bicubic(uv);
 #else
-  vec3 sky = textureLod(sky_map, uv, frame.sky_lod).rgb;
+  vec3 radiance = textureLod(sky_map, uv, sky.y).rgb;
 #endif
-  return composed(at, vec4(frame.sky_gain * sky, 1.0));
+  return composed(at, vec4(sky.x * radiance, 1.0));
 }
 #else
 layout(location = 3) uniform vec4 background;  // premultiplied
 
-vec4 frame_pixel(ivec2 at, vec2 ndc) { return composed(at, background); }
+vec4 frame_pixel(ivec2 at) { return composed(at, background); }
 #endif

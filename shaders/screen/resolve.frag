@@ -6,11 +6,10 @@
 layout(location = 0) uniform float exposure;      // multiplier
 layout(location = 1) uniform uint tone_curve;     // 0 pbr-neutral, 1 clip, 2 scene-linear
 layout(location = 2) uniform float largest;       // of the film's format, for scene-linear
-layout(location = 0) in vec2 ndc;
 layout(location = 0) out vec4 out_color;
 
 void main() {
-  vec4 pixel = frame_pixel(ivec2(gl_FragCoord.xy), ndc);
+  vec4 pixel = frame_pixel(ivec2(gl_FragCoord.xy));
   float alpha = clamp(pixel.a, 0.0, 1.0);
   if (tone_curve == 2u) {
     out_color = vec4(min(pixel.rgb * exposure, vec3(largest)), alpha);

@@ -1,13 +1,11 @@
 // Shades what sample `layer` of each pixel sees, times the share of the pixel that it stands for.
-#include "interface/draw_block.glsl"
 #include "lib/visibility.glsl"
-#include "surface/radiance.glsl"
-
-layout(std140, binding = 1) uniform DrawUniform { DrawBlock draw; };
+#include "surface/constants.glsl"
+#include "surface/deferred_constants.glsl"
 
 layout(binding = 8) uniform usampler2D visibility_map;
 layout(binding = 9) uniform usampler2D shares_map;
-layout(binding = 10) uniform samplerBuffer vertices;    // draw.vertex_rows rows a vertex
+layout(binding = 10) uniform samplerBuffer vertices;    // deferred.draw.y rows a vertex
 layout(binding = 11) uniform usamplerBuffer triangles;  // three vertex numbers each
 #if FEATURE_VEIL
 layout(binding = 12) uniform sampler2D veil_map;
@@ -15,7 +13,12 @@ layout(binding = 12) uniform sampler2D veil_map;
 
 layout(location = 0) uniform uint layer;
 layout(location = 0) in vec2 ndc;
+layout(location = 1) in vec3 to_viewer_world;
+layout(location = 2) flat in SurfaceConstants constants;
+layout(location = 11) flat in DeferredConstants deferred;
 layout(location = 0) out vec4 out_color;  // linear radiance, premultiplied
+
+#include "surface/radiance.glsl"
 
 // What the pixel sees; another draw's pixels are shaded beside ours to complete a quad, and must be known for that.
 uint seen_surface;
@@ -37,25 +40,20 @@ void normal_derivatives(vec3 normal, out vec3 dx, out vec3 dy) {
   dy = dFdyFine(seen) == vec2(0.0) ? dFdyFine(normal) : vec3(0.0);
 }
 
-struct Corner {
-  vec3 position_model;
-  vec3 clip;  // x, y, w
-};
-
-Corner read_corner(int row) {
-  Corner c;
-  c.position_model = texelFetch(vertices, row).xyz;
-  c.clip = (frame.clip_from_world * (draw.world_from_model * vec4(c.position_model, 1.0))).xyw;
-  return c;
+// Clip x, y and w of a vertex.
+vec3 clip_corner(int row) {
+  vec4 position = vec4(texelFetch(vertices, row).xyz, 1.0);
+  return vec3(dot(deferred.clip_x_from_model, position), dot(deferred.clip_y_from_model, position),
+              dot(deferred.clip_w_from_model, position));
 }
 
 // Olano and Greer 1997, "Triangle Scan Conversion using 2D Homogeneous Coordinates": perspective-correct weights of the
 // corners at `ndc`, not normalised, their sum positive for one sense of winding. Differences are taken first, so that small
 // triangles keep their digits.
-vec3 corner_weights(Corner c[3], vec2 at) {
-  vec2 q0 = c[0].clip.xy - at * c[0].clip.z;
-  vec2 q1 = c[1].clip.xy - at * c[1].clip.z;
-  vec2 q2 = c[2].clip.xy - at * c[2].clip.z;
+vec3 corner_weights(vec3 c[3], vec2 at) {
+  vec2 q0 = c[0].xy - at * c[0].z;
+  vec2 q1 = c[1].xy - at * c[1].z;
+  vec2 q2 = c[2].xy - at * c[2].z;
   return vec3(q1.x * q2.y - q1.y * q2.x, q2.x * q0.y - q2.y * q0.x, q0.x * q1.y - q0.y * q1.x);
 }
 
@@ -71,27 +69,25 @@ vec4 interpolate(ivec3 rows, int row, vec3 weights) {
 
 Attributes seen_attributes(uint triangle) {
   ivec3 corner = ivec3(3u * triangle) + ivec3(0, 1, 2);
-  ivec3 rows = int(draw.vertex_rows) * ivec3(texelFetch(triangles, corner.x).x, texelFetch(triangles, corner.y).x,
+  ivec3 rows = int(deferred.draw.y) * ivec3(texelFetch(triangles, corner.x).x, texelFetch(triangles, corner.y).x,
                                              texelFetch(triangles, corner.z).x);
-  Corner c[3] = Corner[3](read_corner(rows.x), read_corner(rows.y), read_corner(rows.z));
-  vec2 pixel = vec2(frame.ndc_per_pixel_x, frame.ndc_per_pixel_y);
+  vec3 c[3] = vec3[3](clip_corner(rows.x), clip_corner(rows.y), clip_corner(rows.z));
   vec3 weights = corner_weights(c, ndc);
-  bool front = (weights.x + weights.y + weights.z > 0.0) == (draw.handedness > 0.0);
+  bool front = (weights.x + weights.y + weights.z > 0.0) == (deferred.scalars.x > 0.0);
   vec3 at = normalised_weights(weights);
-  vec3 dx = normalised_weights(corner_weights(c, ndc + vec2(pixel.x, 0.0))) - at;
-  vec3 dy = normalised_weights(corner_weights(c, ndc + vec2(0.0, pixel.y))) - at;
+  vec3 dx = normalised_weights(corner_weights(c, ndc + vec2(deferred.scalars.y, 0.0))) - at;
+  vec3 dy = normalised_weights(corner_weights(c, ndc + vec2(0.0, deferred.scalars.z))) - at;
   // The pixel's centre may lie outside of a triangle that only its samples see.
   at = max(at, vec3(0.0));
   at /= at.x + at.y + at.z;
 
   Attributes a;
-  a.position_world = (draw.world_from_model *
-                      vec4(c[0].position_model * at.x + c[1].position_model * at.y + c[2].position_model * at.z, 1.0)).xyz;
-  a.normal_world = mat3(draw.world_from_model_normal) * interpolate(rows, 1, at).xyz;
+  a.to_viewer_world = to_viewer_world;
+  a.normal_world = deferred.world_from_model_normal * interpolate(rows, 1, at).xyz;
   a.tangent_world = vec4(0.0);
 #if FEATURE_NORMAL_MAP
   vec4 tangent = interpolate(rows, 2, at);
-  a.tangent_world = vec4(mat3(draw.world_from_model) * tangent.xyz, tangent.w * draw.handedness);
+  a.tangent_world = vec4(deferred.world_from_model * tangent.xyz, tangent.w * deferred.scalars.x);
 #endif
   vec4 uv_0 = texelFetch(vertices, rows.x + 3), uv_1 = texelFetch(vertices, rows.y + 3),
        uv_2 = texelFetch(vertices, rows.z + 3);
@@ -124,7 +120,7 @@ void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   uvec2 texel = texelFetch(visibility_map, sample_at(pixel, layer), 0).xy;
   seen_surface = texel.y;
-  is_ours = key_of(seen_surface) == draw.key;
+  is_ours = key_of(seen_surface) == deferred.draw.x;
   Surface s = read_surface(seen_attributes(is_ours ? texel.x : 0u));
   float share = pixel_share(pixel, texelFetch(shares_map, pixel, 0).x);
   out_color = vec4(surface_radiance(s) * share, share);

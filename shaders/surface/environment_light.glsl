@@ -2,17 +2,20 @@
 #include "interface/frame_block.glsl"
 #include "lib/brdf.glsl"
 #include "lib/sphere.glsl"
+#include "surface/constants.glsl"
+
+layout(std140, binding = 0) uniform FrameUniform { FrameBlock frame; };  // for its levels
 
 layout(binding = 5) uniform sampler2D sky_map;    // the environment itself, equirect
 layout(binding = 6) uniform sampler2D atlas_map;  // octahedral tiles: GGX levels and irradiance
 layout(binding = 7) uniform sampler2D dfg_map;    // x: roughness row, see renderer/ibl/dfg.hpp
 
 vec3 sample_tile(vec4 tile, vec2 octahedral) {
-  return textureLod(atlas_map, (tile.xy + octahedral * tile.z) * vec2(frame.atlas_texel_u, frame.atlas_texel_v), 0.0).rgb;
+  return textureLod(atlas_map, (tile.xy + octahedral * tile.z) * constants.atlas.xy, 0.0).rgb;
 }
 
 vec3 sample_sky(vec3 direction, float lod) {
-  return textureLod(sky_map, equirect_from_direction(direction), lod).rgb * frame.sky_gain;
+  return textureLod(sky_map, equirect_from_direction(direction), lod).rgb * constants.atlas.w;
 }
 
 // Radiance around unit `direction` (environment frame), prefiltered for a perceptual roughness.
@@ -28,7 +31,7 @@ vec3 prefiltered_radiance(vec3 direction, float perceptual_roughness) {
   vec4 tile_high = frame.level_tiles[high];
   float t = clamp((perceptual_roughness - tile_low.w) / max(tile_high.w - tile_low.w, 1e-6), 0.0, 1.0);
   vec2 octahedral = octahedral_from_direction(direction);
-  vec3 radiance = mix(sample_tile(tile_low, octahedral), sample_tile(tile_high, octahedral), t) * frame.atlas_gain;
+  vec3 radiance = mix(sample_tile(tile_low, octahedral), sample_tile(tile_high, octahedral), t) * constants.irradiance_tile.w;
 #if FEATURE_SHARP_REFLECTION
   float first = frame.level_tiles[0].w;
   if (perceptual_roughness < first) {
@@ -40,7 +43,7 @@ vec3 prefiltered_radiance(vec3 direction, float perceptual_roughness) {
 
 // E / pi around unit `direction` (environment frame).
 vec3 diffuse_radiance(vec3 direction) {
-  return sample_tile(frame.irradiance_tile, octahedral_from_direction(direction)) * frame.atlas_gain;
+  return sample_tile(constants.irradiance_tile, octahedral_from_direction(direction)) * constants.irradiance_tile.w;
 }
 
 struct Reflectance {
@@ -73,9 +76,8 @@ vec3 environment_light(vec3 base_color, float metallic, float alpha, float occlu
   float perceptual_roughness = sqrt(alpha);
   vec4 dfg = textureLod(dfg_map, vec2(NoV, perceptual_roughness), 0.0);
   Reflectance r = reflectance(base_color, metallic, dfg.xy);
-  mat3 environment_from_world = mat3(frame.environment_from_world);
-  vec3 lobe = environment_from_world * lobe_direction(normal, to_viewer, NoV, dfg.z);
+  vec3 lobe = constants.environment_from_world * lobe_direction(normal, to_viewer, NoV, dfg.z);
   vec3 specular = r.specular * prefiltered_radiance(lobe, perceptual_roughness);
-  vec3 diffuse = r.diffuse * diffuse_radiance(environment_from_world * normal);
+  vec3 diffuse = r.diffuse * diffuse_radiance(constants.environment_from_world * normal);
   return diffuse * occlusion + specular * specular_occlusion(NoV, occlusion, alpha);
 }

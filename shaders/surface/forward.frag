@@ -1,12 +1,15 @@
-#include "surface/radiance.glsl"
+#include "surface/constants.glsl"
 
-layout(location = 0) in vec3 position_world;
+layout(location = 0) in vec3 to_viewer_world;
 layout(location = 1) in vec3 normal_world;
 layout(location = 2) in vec4 tangent_world;
 layout(location = 3) in vec4 uv01;
 layout(location = 4) in vec4 vertex_color;
+layout(location = 5) flat in SurfaceConstants constants;
 
 layout(location = 0) out vec4 out_color;  // linear radiance, premultiplied by alpha
+
+#include "surface/radiance.glsl"
 
 float quad_lod(float lod) { return lod; }
 
@@ -17,8 +20,8 @@ void normal_derivatives(vec3 normal, out vec3 dx, out vec3 dy) {
 }
 
 void main() {
-  Attributes a = Attributes(position_world, normal_world, tangent_world, uv01, 2.0 * dFdx(uv01), 2.0 * dFdy(uv01),
-                            vertex_color, gl_FrontFacing);
+  Attributes a = Attributes(to_viewer_world, normal_world, tangent_world, uv01, 2.0 * dFdx(uv01), 2.0 * dFdy(uv01),
+                            vertex_color, gl_FrontFacing, 0.0);
   Surface s = read_surface(a);
   vec3 radiance = surface_radiance(s);
 #if FEATURE_ALPHA_BLEND

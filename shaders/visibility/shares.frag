@@ -10,12 +10,10 @@ layout(location = 0) out uint out_shares;
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-  uint surface[SAMPLE_COUNT];
-  float depth[SAMPLE_COUNT];
-  for (uint i = 0u; i < SAMPLE_COUNT; ++i) {
-    surface[i] = texelFetch(visibility_map, sample_at(pixel, i), 0).y;
-    depth[i] = texelFetch(depth_map, sample_at(pixel, i), 0).r;
-  }
+  vec2 between = vec2(2 * pixel + 1) / vec2(textureSize(visibility_map, 0));
+  // A gather goes round from the lower left: in the order of sample_at().
+  uvec4 surface = textureGather(visibility_map, between, 1).wzxy;
+  vec4 depth = textureGather(depth_map, between).wzxy;
   uint shares = 0u;
   for (uint i = 0u; i < SAMPLE_COUNT; ++i) {
     uint by = i;
