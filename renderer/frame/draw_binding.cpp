@@ -12,8 +12,8 @@ constexpr SamplerDesc kSkySampler{Wrap::kRepeat, Wrap::kClampToEdge, Filter::kLi
 constexpr SamplerDesc kTableSampler{Wrap::kClampToEdge, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
                                     MipFilter::kNone};
 // Integer textures are complete only so.
-constexpr SamplerDesc kTexelSampler{Wrap::kClampToEdge, Wrap::kClampToEdge, Filter::kNearest, Filter::kNearest,
-                                    MipFilter::kNone};
+constexpr SamplerDesc kTexelSampler{Wrap::kClampToEdge, Wrap::kClampToEdge, Filter::kNearest,
+                                    Filter::kNearest, MipFilter::kNone};
 
 }  // namespace
 
@@ -55,7 +55,8 @@ void bind_draw(const PassContext& pass, const Draw& draw) {
   glBindSamplers(0, gpu::kSlotCount, material.samplers.data());
 }
 
-void bind_program(const PassContext& pass, const char* vertex, const char* fragment, gl::FeatureSet features) {
+void bind_program(const PassContext& pass, const char* vertex, const char* fragment,
+                  gl::FeatureSet features) {
   glUseProgram(pass.programs.request(pass.context, {vertex, fragment, features}));
 }
 

@@ -22,7 +22,8 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
                                   const GpuScene& scene, const PreparedEnvironment& environment,
                                   const Deadline& deadline) {
   const std::size_t subframes = plan.jitter_px.size();
-  provide_targets(context_, plan, {!scene.blended.empty() || !scene.strokes.empty(), subframes > 1}, targets_);
+  provide_targets(context_, plan, {!scene.blended.empty() || !scene.strokes.empty(), subframes > 1},
+                  targets_);
   FrameResult result;
   result.pixels = make_image(plan.picture, 4, plan.film_type,
                              plan.film_type == SampleType::kUint8 ? ColorSpace::kSrgb : ColorSpace::kLinear);
@@ -33,7 +34,7 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
       const gpu::FrameBlock frame = pack_frame(plan, view, environment, tile, subframe);
       const gl::Buffer uniform = gl::create_buffer(context_, &frame, sizeof frame);
       glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniform.id());
-      const PassContext pass{context_, programs_, residency,           plan,  *targets_,
+      const PassContext pass{context_, programs_, residency,           plan, *targets_,
                              scene,    tile,      empty_vertex_array_, frame};
       pass_visibility(pass);
       pass_veil(pass);

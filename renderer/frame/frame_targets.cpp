@@ -40,7 +40,7 @@ FrameTargets create_frame_targets(gl::Context& context, const FramePlan& plan) {
   shading.shares = gl::create_texture(context, GL_R16UI, plan.tile_size, 1);
   shading.selection = gl::create_texture(context, GL_DEPTH_COMPONENT32F, plan.tile_size, 1);
   shading.color = gl::create_texture(context, kRadiance, plan.tile_size, 1);
-  shading.share = gl::create_framebuffer(context, shading.shares, {});
+  shading.share = gl::create_framebuffer(context, shading.shares, shading.selection);
   shading.select = gl::create_framebuffer(context, {}, shading.selection);
   shading.shade = gl::create_framebuffer(context, shading.color, shading.selection);
   targets.film = create_color_target(context, film_format(plan.film_type), plan.tile_size);
@@ -57,7 +57,7 @@ void provide_targets(gl::Context& context, const FramePlan& plan, TargetNeeds ne
   }
   if (needs.veil && !targets->veil) {
     VeilTarget veil;
-    veil.color = gl::create_texture(context, kRadiance, samples_of(plan.tile_size), 1);
+    veil.color = gl::create_texture(context, GL_RGBA16F, samples_of(plan.tile_size), 1);
     veil.framebuffer = gl::create_framebuffer(context, veil.color, targets->visibility.depth);
     targets->veil = std::move(veil);
   }

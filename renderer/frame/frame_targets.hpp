@@ -25,7 +25,7 @@ struct ShadingTarget {
 
 // Blended surfaces, lines and points, premultiplied: 2x2 samples a pixel, over the depth of what is visible.
 struct VeilTarget {
-  gl::Texture color;  // RGBA32F
+  gl::Texture color;  // RGBA16F, exposed: 1 is white, so that half floats serve every light
   gl::Framebuffer framebuffer;
 };
 
@@ -41,7 +41,7 @@ struct FrameTargets {
 
   VisibilityTarget visibility;
   ShadingTarget shading;
-  std::optional<VeilTarget> veil;         // only for scenes that need it
+  std::optional<VeilTarget> veil;          // only for scenes that need it
   std::optional<ColorTarget> accumulated;  // RGBA32F: the mean of several sub-frames
   ColorTarget film;                        // what is read back
 };

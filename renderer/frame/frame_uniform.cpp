@@ -24,7 +24,8 @@ glm::dmat4 jittered_from_clip(Extent picture, glm::vec2 jitter_px) {
 glm::dmat4 tile_from_picture(Extent picture, const Tile& tile) {
   const glm::dvec2 size(tile.size.width, tile.size.height);
   const glm::dvec2 scale(picture.width / size.x, picture.height / size.y);
-  const glm::dvec2 shift((picture.width - 2.0 * tile.x) / size.x - 1, 1 - (picture.height - 2.0 * tile.y) / size.y);
+  const glm::dvec2 shift((picture.width - 2.0 * tile.x) / size.x - 1,
+                         1 - (picture.height - 2.0 * tile.y) / size.y);
   return glm::scale(glm::translate(glm::dmat4(1), glm::dvec3(shift, 0)), glm::dvec3(scale, 1));
 }
 
@@ -91,6 +92,7 @@ gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const Prepar
   block.pixel_footprint = float(1 / std::sqrt(double(plan.jitter_px.size())));
   // Two pixels at 512 px, in proportion elsewhere.
   block.point_size_samples = 2 * std::max(1.f, float(plan.picture.height) / 256.f);
+  block.exposure = float(plan.exposure);
   block.ndc_per_pixel_x = 2.f / float(tile.size.width);
   block.ndc_per_pixel_y = -2.f / float(tile.size.height);
   const double sky_texel_rad = 2 * kPi / environment.sky.extent.width;

@@ -21,7 +21,7 @@ bool is_lone(const FramePlan& plan) {
 }
 
 // `composes`: this pass is the first to read the sub-frame, so it puts veil and background to it.
-GLuint screen_program(const PassContext& pass, const char* fragment, bool composes) {
+GLuint screen_program(const PassContext& pass, const char* fragment, bool composes, bool fragment_exposes) {
   gl::FeatureSet features = 0;
   if (composes && pass.veiled()) {
     features |= gl::kFeatureVeil;
@@ -34,8 +34,10 @@ GLuint screen_program(const PassContext& pass, const char* fragment, bool compos
     bind_sky(pass);
   }
   const GLuint program = pass.programs.request(pass.context, {"screen/fullscreen.vert", fragment, features});
+  constexpr GLint kBackgroundLocation = 3, kExposureLocation = 4;
+  if (fragment_exposes || (composes && pass.veiled()))
+    glProgramUniform1f(program, kExposureLocation, float(pass.plan.exposure));
   if (!sky) {
-    constexpr GLint kBackgroundLocation = 3;
     const glm::vec4 color = composes ? pass.plan.background_color : glm::vec4(0);
     glProgramUniform4f(program, kBackgroundLocation, color.r, color.g, color.b, color.a);
   }
@@ -49,7 +51,7 @@ void pass_accumulate(const PassContext& pass, bool first) {
   gl::PassState state = tile_state(pass, pass.targets.accumulated->framebuffer, Grid::kPixels);
   state.blend = first ? gl::Blend::kOff : gl::Blend::kAdd;
   gl::begin_pass(pass.context, state);
-  const GLuint program = screen_program(pass, "screen/accumulate.frag", true);
+  const GLuint program = screen_program(pass, "screen/accumulate.frag", true, false);
   glProgramUniform1f(program, 0, 1.f / float(pass.plan.jitter_px.size()));
   glUseProgram(program);
   draw_screen(pass, pass.targets.shading.color);
@@ -58,9 +60,8 @@ void pass_accumulate(const PassContext& pass, bool first) {
 void pass_resolve(const PassContext& pass) {
   gl::begin_pass(pass.context, tile_state(pass, pass.targets.film.framebuffer, Grid::kPixels));
   const bool lone = is_lone(pass.plan);
-  const GLuint program = screen_program(pass, "screen/resolve.frag", lone);
+  const GLuint program = screen_program(pass, "screen/resolve.frag", lone, true);
   constexpr float kLargestHalf = 65504, kLargestFloat = 3.4e38f;
-  glProgramUniform1f(program, 0, float(pass.plan.exposure));
   glProgramUniform1ui(program, 1, tone_curve(pass.plan));
   glProgramUniform1f(program, 2, pass.plan.film_type == SampleType::kFloat16 ? kLargestHalf : kLargestFloat);
   glUseProgram(program);

@@ -8,7 +8,13 @@ namespace {
 
 constexpr GLuint kLayerLocation = 0;
 constexpr GLuint kSamplesPerPixel = 4;
-enum Unit : GLuint { kVisibilityUnit = 8, kSharesUnit = 9, kVerticesUnit = 10, kTrianglesUnit = 11, kVeilUnit = 12 };
+enum Unit : GLuint {
+  kVisibilityUnit = 8,
+  kSharesUnit = 9,
+  kVerticesUnit = 10,
+  kTrianglesUnit = 11,
+  kVeilUnit = 12
+};
 
 // A rectangle of the tile, px.
 struct Rect {
@@ -34,7 +40,8 @@ Rect covered_pixels(const PassContext& pass, const Draw& draw) {
   high = glm::clamp(high, -1.f, 1.f);
   // A pixel more on each side, for rounding.
   const auto pixel = [](float ndc, int length) { return int(std::floor((ndc + 1) * 0.5f * float(length))); };
-  const int left = std::max(pixel(low.x, size.width) - 1, 0), right = std::min(pixel(high.x, size.width) + 2, size.width);
+  const int left = std::max(pixel(low.x, size.width) - 1, 0),
+            right = std::min(pixel(high.x, size.width) + 2, size.width);
   const int top = std::max(pixel(-high.y, size.height) - 1, 0),
             bottom = std::min(pixel(-low.y, size.height) + 2, size.height);
   return {left, top, std::max(right - left, 0), std::max(bottom - top, 0)};
@@ -53,7 +60,9 @@ void limit_to(const Rect& rect) {
 }
 
 void find_shares(const PassContext& pass, const Rect& rect) {
-  gl::begin_pass(pass.context, tile_state(pass, pass.targets.shading.share, Grid::kPixels));
+  gl::PassState state = tile_state(pass, pass.targets.shading.share, Grid::kPixels);
+  state.depth = gl::DepthUse::kWrite;
+  gl::begin_pass(pass.context, state);
   limit_to(rect);
   const GLuint program =
       pass.programs.request(pass.context, {"screen/fullscreen.vert", "visibility/shares.frag", 0});
@@ -121,7 +130,7 @@ void pass_shade(const PassContext& pass) {
   }
   find_shares(pass, all);
   for (GLuint layer = 0; layer < kSamplesPerPixel; ++layer) {
-    select_draws(pass, all, layer);
+    if (layer > 0) select_draws(pass, all, layer);
     shade_layer(pass, rects, layer);
   }
 }

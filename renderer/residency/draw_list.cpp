@@ -47,7 +47,8 @@ gl::FeatureSet material_features(const Material& material, const GpuTexture* rou
 }
 
 // The size of every texture of the material, if they share it and are all read at the same place.
-std::optional<Extent> common_map_size(const Material& material, const std::vector<const GpuTexture*>& textures) {
+std::optional<Extent> common_map_size(const Material& material,
+                                      const std::vector<const GpuTexture*>& textures) {
   std::optional<Extent> size;
   for (const auto slot : gpu::kMaterialSlots) {
     const std::optional<TextureSlot>& map = material.*slot;
@@ -97,10 +98,11 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
   }
 
   std::vector<gpu::DrawBlock> draw_blocks;
-  constexpr std::size_t kMostDraws = (1u << 20) - 1;  // keys of lib/visibility.glsl
+  constexpr std::size_t kMostDraws = (1u << 18) - 1;  // keys of lib/visibility.glsl
   if (scene.instances.size() > kMostDraws) {
-    fail(ErrorCode::kTooLarge, fmt::format("{} drawn parts are more than one frame takes ({}); join meshes of equal material",
-                                           scene.instances.size(), kMostDraws));
+    fail(ErrorCode::kTooLarge,
+         fmt::format("{} drawn parts are more than one frame takes ({}); join meshes of equal material",
+                     scene.instances.size(), kMostDraws));
   }
   for (const Instance& instance : scene.instances) {
     const PreparedMesh& mesh = scene.meshes[std::size_t(instance.mesh)];

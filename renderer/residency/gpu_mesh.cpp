@@ -29,7 +29,7 @@ T value_at(const std::vector<T>& values, std::size_t i) {
   return values.empty() ? T(0) : values[i];
 }
 
-// The patch number rides in the last component of the position's row, as bits.
+// The number of a vertex's patch rides in the last component of its position's row, as bits.
 std::vector<Row> interleave(const Mesh& mesh, std::uint32_t rows) {
   const std::vector<std::uint32_t> patches = mesh_patches(mesh);
   std::vector<Row> vertices;
@@ -74,8 +74,14 @@ GpuMesh upload_mesh(gl::Context& context, const Mesh& mesh) {
   const std::size_t limit = context.limits().max_buffer_texels;
   if (std::max(rows, mesh.indices.size()) > limit) {
     fail(ErrorCode::kTooLarge,
-         fmt::format("mesh \"{}\" has {} vertices and {} indices, more than this GPU can read at once; divide it",
-                     mesh.name, mesh.positions.size(), mesh.indices.size()));
+         fmt::format(
+             "mesh \"{}\" has {} vertices and {} indices, more than this GPU can read at once; divide it",
+             mesh.name, mesh.positions.size(), mesh.indices.size()));
+  }
+  constexpr std::size_t kMostTriangles = 1u << 24;  // shaders/lib/visibility.glsl
+  if (mesh.topology == Topology::kTriangles && mesh.indices.size() / 3 > kMostTriangles) {
+    fail(ErrorCode::kTooLarge, fmt::format("mesh \"{}\" has {} triangles, more than {}; divide it", mesh.name,
+                                           mesh.indices.size() / 3, kMostTriangles));
   }
   const std::vector<Row> vertices = interleave(mesh, gpu.vertex_rows);
   gpu.vertices = gl::create_buffer(context, vertices.data(), rows * sizeof(Row));

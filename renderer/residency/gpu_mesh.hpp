@@ -10,7 +10,8 @@ namespace furnace {
 // Threads: the context's. Owns: its buffers.
 struct GpuMesh {
   gl::Buffer vertices, indices;
-  gl::Texture vertex_texels;  // rows of four floats: position, normal, tangent, both UV sets, and colour where there is one
+  gl::Texture
+      vertex_texels;  // rows of four floats: position, normal, tangent, both UV sets, and colour where there is one
   gl::Texture index_texels;
   gl::VertexArray vertex_array;
   GLenum mode = GL_TRIANGLES;

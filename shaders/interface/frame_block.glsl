@@ -19,5 +19,5 @@ struct FrameBlock {
   float ndc_per_pixel_x;        // to the right
   float ndc_per_pixel_y;        // downwards: negative
   float pixel_rad;              // a pixel's angle at the centre of the picture
-  float pad_1;
+  float exposure;               // multiplier
 };

@@ -39,10 +39,10 @@ float specular_occlusion(float NoV, float occlusion, float alpha) {
 }
 
 // Tokuyoshi and Kaplanyan 2019, "Improved Geometric Specular Antialiasing": alpha^2 widened by the variance of the normal
-// over the pixel. `footprint` scales the pixel: 1 / sqrt(sub-frames), so that more samples converge to the true lobe.
-float antialiased_alpha(vec3 dndx, vec3 dndy, float alpha, float footprint) {
+// over the pixel. `change2`: squared change of the unit normal a pixel to the right and one down, summed. `footprint` scales the pixel: 1 / sqrt(sub-frames), so that more samples converge to the true lobe.
+float antialiased_alpha(float change2, float alpha, float footprint) {
   const float sigma2 = 0.15915494;  // of the pixel filter: 1 / (2 pi)
   const float kappa = 0.18;         // their clamping threshold
-  float variance = sigma2 * footprint * footprint * (dot(dndx, dndx) + dot(dndy, dndy));
+  float variance = sigma2 * footprint * footprint * change2;
   return sqrt(clamp(alpha * alpha + min(2.0 * variance, kappa), 0.0, 1.0));
 }

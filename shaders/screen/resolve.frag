@@ -3,7 +3,6 @@
 #include "lib/color.glsl"
 #include "screen/frame_pixel.glsl"
 
-layout(location = 0) uniform float exposure;      // multiplier
 layout(location = 1) uniform uint tone_curve;     // 0 pbr-neutral, 1 clip, 2 scene-linear
 layout(location = 2) uniform float largest;       // of the film's format, for scene-linear
 layout(location = 0) out vec4 out_color;

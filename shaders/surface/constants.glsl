@@ -6,6 +6,6 @@ struct SurfaceConstants {
   vec4 factors;                 // metallic, perceptual roughness, normal scale, occlusion strength
   mat3 environment_from_world;
   vec4 irradiance_tile;         // x, y, inner side (px); w: radiance per unit stored in the atlas
-  vec4 atlas;                   // texel width, height; w: radiance per unit stored in the sky
+  vec4 atlas;                   // texel width, height; z: exposure, a multiplier; w: radiance per unit stored in the sky
   vec4 pixel;                   // footprint; width and height of the maps, where all are of one size (px)
 };

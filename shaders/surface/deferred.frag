@@ -21,7 +21,7 @@ layout(location = 0) out vec4 out_color;  // linear radiance, premultiplied
 #include "surface/radiance.glsl"
 
 // What the pixel sees; another draw's pixels are shaded beside ours to complete a quad, and must be known for that.
-uint seen_surface;
+uint seen_patch;  // of which draw
 bool is_ours;
 
 float quad_lod(float lod) {
@@ -34,10 +34,11 @@ float quad_lod(float lod) {
   return min(lod, below);
 }
 
-void normal_derivatives(vec3 normal, out vec3 dx, out vec3 dy) {
-  vec2 seen = vec2(seen_surface & 0xffffu, seen_surface >> 16u);  // exact as floats
-  dx = dFdxFine(seen) == vec2(0.0) ? dFdxFine(normal) : vec3(0.0);
-  dy = dFdyFine(seen) == vec2(0.0) ? dFdyFine(normal) : vec3(0.0);
+float quad_change2(vec3 value) {
+  vec2 seen = vec2(seen_patch & 0xffffu, seen_patch >> 16u);  // exact as floats
+  vec3 dx = dFdxFine(seen) == vec2(0.0) ? dFdxFine(value) : vec3(0.0);
+  vec3 dy = dFdyFine(seen) == vec2(0.0) ? dFdyFine(value) : vec3(0.0);
+  return dot(dx, dx) + dot(dy, dy);
 }
 
 // Clip x, y and w of a vertex.
@@ -67,23 +68,37 @@ vec4 interpolate(ivec3 rows, int row, vec3 weights) {
          texelFetch(vertices, rows.z + row) * weights.z;
 }
 
-Attributes seen_attributes(uint triangle) {
+// How much v / |v| changes when v changes by d, squared.
+float unit_change2(vec3 v, vec3 d) {
+  float length2 = max(dot(v, v), 1e-20);
+  float along = dot(v, d);
+  return max(dot(d, d) - along * along / length2, 0.0) / length2;
+}
+
+// `ndc_at`: where in the pixel.
+Attributes seen_attributes(uint triangle, vec2 ndc_at) {
   ivec3 corner = ivec3(3u * triangle) + ivec3(0, 1, 2);
   ivec3 rows = int(deferred.draw.y) * ivec3(texelFetch(triangles, corner.x).x, texelFetch(triangles, corner.y).x,
                                              texelFetch(triangles, corner.z).x);
   vec3 c[3] = vec3[3](clip_corner(rows.x), clip_corner(rows.y), clip_corner(rows.z));
-  vec3 weights = corner_weights(c, ndc);
+  vec3 weights = corner_weights(c, ndc_at);
   bool front = (weights.x + weights.y + weights.z > 0.0) == (deferred.scalars.x > 0.0);
   vec3 at = normalised_weights(weights);
-  vec3 dx = normalised_weights(corner_weights(c, ndc + vec2(deferred.scalars.y, 0.0))) - at;
-  vec3 dy = normalised_weights(corner_weights(c, ndc + vec2(0.0, deferred.scalars.z))) - at;
-  // The pixel's centre may lie outside of a triangle that only its samples see.
-  at = max(at, vec3(0.0));
+  vec3 dx = normalised_weights(corner_weights(c, ndc_at + vec2(deferred.scalars.y, 0.0))) - at;
+  vec3 dy = normalised_weights(corner_weights(c, ndc_at + vec2(0.0, deferred.scalars.z))) - at;
+  // The pixel's centre may lie outside of the triangle that its sample sees. Up to the triangle's own size beyond it the
+  // attributes are continued: small triangles of a smooth surface would else be shaded now here, now there.
+  at = max(at, vec3(-1.0));
   at /= at.x + at.y + at.z;
 
   Attributes a;
   a.to_viewer_world = to_viewer_world;
-  a.normal_world = deferred.world_from_model_normal * interpolate(rows, 1, at).xyz;
+  vec3 normal_0 = texelFetch(vertices, rows.x + 1).xyz, normal_1 = texelFetch(vertices, rows.y + 1).xyz,
+       normal_2 = texelFetch(vertices, rows.z + 1).xyz;
+  a.normal_world = deferred.world_from_model_normal * (normal_0 * at.x + normal_1 * at.y + normal_2 * at.z);
+  a.normal_change2 =
+      unit_change2(a.normal_world, deferred.world_from_model_normal * (normal_0 * dx.x + normal_1 * dx.y + normal_2 * dx.z)) +
+      unit_change2(a.normal_world, deferred.world_from_model_normal * (normal_0 * dy.x + normal_1 * dy.y + normal_2 * dy.z));
   a.tangent_world = vec4(0.0);
 #if FEATURE_NORMAL_MAP
   vec4 tangent = interpolate(rows, 2, at);
@@ -119,9 +134,13 @@ float pixel_share(ivec2 pixel, uint shares) {
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   uvec2 texel = texelFetch(visibility_map, sample_at(pixel, layer), 0).xy;
-  seen_surface = texel.y;
-  is_ours = key_of(seen_surface) == deferred.draw.x;
-  Surface s = read_surface(seen_attributes(is_ours ? texel.x : 0u));
-  float share = pixel_share(pixel, texelFetch(shares_map, pixel, 0).x);
+  seen_patch = key_of(texel.y) << 8u | texel.x >> TRIANGLE_BITS;
+  is_ours = key_of(texel.y) == deferred.draw.x;
+  uint shares = texelFetch(shares_map, pixel, 0).x;
+  // A pixel of one surface is shaded at its centre, one of several at the samples.
+  vec2 offset_px = shares == 0u ? vec2(0.0) : vec2(sample_at(ivec2(0), layer)) * 0.5 - 0.25;
+  Attributes a = seen_attributes(is_ours ? triangle_of(texel) : 0u, ndc + offset_px * deferred.scalars.yz);
+  Surface s = read_surface(a);
+  float share = pixel_share(pixel, shares);
   out_color = vec4(surface_radiance(s) * share, share);
 }

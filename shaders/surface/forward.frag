@@ -7,23 +7,25 @@ layout(location = 3) in vec4 uv01;
 layout(location = 4) in vec4 vertex_color;
 layout(location = 5) flat in SurfaceConstants constants;
 
-layout(location = 0) out vec4 out_color;  // linear radiance, premultiplied by alpha
+layout(location = 0) out vec4 out_color;  // linear radiance, exposed, premultiplied by alpha
 
 #include "surface/radiance.glsl"
 
 float quad_lod(float lod) { return lod; }
 
-// A sample is half a pixel.
-void normal_derivatives(vec3 normal, out vec3 dx, out vec3 dy) {
-  dx = 2.0 * dFdx(normal);
-  dy = 2.0 * dFdy(normal);
+// Here a fragment is a sample.
+float quad_change2(vec3 value) {
+  vec3 dx = dFdx(value), dy = dFdy(value);
+  return dot(dx, dx) + dot(dy, dy);
 }
 
 void main() {
   Attributes a = Attributes(to_viewer_world, normal_world, tangent_world, uv01, 2.0 * dFdx(uv01), 2.0 * dFdy(uv01),
-                            vertex_color, gl_FrontFacing, 0.0);
+                            vertex_color, quad_change2(normalize(normal_world)), gl_FrontFacing, 0.0);
   Surface s = read_surface(a);
   vec3 radiance = surface_radiance(s);
+  const float largest_half = 65504.0;
+  radiance = min(radiance * constants.atlas.z, vec3(largest_half));
 #if FEATURE_ALPHA_BLEND
   out_color = vec4(radiance * s.base_color.a, s.base_color.a);
 #else

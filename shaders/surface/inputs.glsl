@@ -11,14 +11,15 @@ struct Attributes {
   vec4 uv01;                // both UV sets
   vec4 uv01_dx, uv01_dy;    // a pixel further right, down
   vec4 color;
+  float normal_change2;     // of the unit interpolated normal: see antialiased_alpha()
   bool front;
   float lod;                // aligned_lod() of the rest
 };
 
 // What a shader that includes this gives, beside `SurfaceConstants constants`: of a quad of pixels the software rasteriser takes one for all.
 float quad_lod(float lod);
-// Differences of `normal` to the neighbouring pixels; 0 where they see something else.
-void normal_derivatives(vec3 normal, out vec3 dx, out vec3 dy);
+// Squared differences to the neighbouring pixels, summed; 0 for those that see something else.
+float quad_change2(vec3 value);
 
 struct Surface {
   vec4 base_color;
@@ -53,14 +54,17 @@ vec4 sample_slot(sampler2D map, uint slot, Attributes a) {
 }
 #endif
 
-vec3 shading_normal(Attributes a) {
+// change2: see antialiased_alpha(); of the vertices' normals and, beyond them, of the map's.
+vec3 shading_normal(Attributes a, out float change2) {
   vec3 n = normalize(a.normal_world);
+  change2 = a.normal_change2;
 #if FEATURE_NORMAL_MAP
   // MikkTSpace: the interpolated frame is used as it is, not re-orthogonalised (Mikkelsen 2008).
   vec3 t = a.tangent_world.xyz;
   vec3 b = a.tangent_world.w * cross(a.normal_world, t);
   vec3 m = sample_slot(normal_map, SLOT_NORMAL, a).xyz * 2.0 - 1.0;
   m = vec3(m.xy * constants.factors.z, m.z);
+  change2 += quad_change2(m);
   vec3 mapped = m.x * t + m.y * b + m.z * a.normal_world;
   float length2 = dot(mapped, mapped);
   n = length2 > 1e-12 ? mapped * inversesqrt(length2) : n;
@@ -91,11 +95,10 @@ Surface read_surface(Attributes a) {
 #if FEATURE_EMISSIVE_MAP
   s.emissive *= sample_slot(emissive_map, SLOT_EMISSIVE, a).rgb;
 #endif
-  s.normal = shading_normal(a);
+  float change2;
+  s.normal = shading_normal(a, change2);
   s.to_viewer = normalize(a.to_viewer_world);
   s.NoV = clamp(dot(s.normal, s.to_viewer), MIN_COSINE, 1.0);
-  vec3 dndx, dndy;
-  normal_derivatives(s.normal, dndx, dndy);
-  s.alpha = antialiased_alpha(dndx, dndy, roughness * roughness, constants.pixel.x);
+  s.alpha = antialiased_alpha(change2, roughness * roughness, constants.pixel.x);
   return s;
 }

@@ -9,6 +9,6 @@ layout(location = 0) uniform uint layer;
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   bool shaded = shaded_by(texelFetch(shares_map, pixel, 0).x, layer) == layer;
-  uint surface = texelFetch(visibility_map, sample_at(pixel, layer), 0).y;
-  gl_FragDepth = shaded ? depth_of_key(key_of(surface)) : 0.0;
+  uint texel_y = texelFetch(visibility_map, sample_at(pixel, layer), 0).y;
+  gl_FragDepth = shaded ? depth_of_key(key_of(texel_y)) : 0.0;
 }

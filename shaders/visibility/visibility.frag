@@ -4,6 +4,7 @@
 layout(std140, binding = 1) uniform DrawUniform { DrawBlock draw; };
 
 layout(location = 0) flat in uint surface_patch;
+layout(location = 3) in vec3 normal_of_model;
 layout(location = 0) out uvec2 out_texel;
 
 #if FEATURE_ALPHA_MASK
@@ -21,5 +22,5 @@ void main() {
 #endif
   if (alpha < material.alpha_cutoff) discard;
 #endif
-  out_texel = visibility_texel(uint(gl_PrimitiveID), draw.key, surface_patch);
+  out_texel = visibility_texel(uint(gl_PrimitiveID), surface_patch, draw.key, normal_of_model);
 }

@@ -5,8 +5,10 @@ layout(std140, binding = 0) uniform FrameUniform { FrameBlock frame; };
 layout(std140, binding = 1) uniform DrawUniform { DrawBlock draw; };
 
 layout(location = 0) in vec3 position_model;
-layout(location = 6) in uint patch_number;
+layout(location = 1) in vec3 normal_model;
+layout(location = 6) in uint vertex_patch;
 layout(location = 0) flat out uint surface_patch;
+layout(location = 3) out vec3 normal_of_model;
 
 #if FEATURE_ALPHA_MASK
 layout(location = 3) in vec4 uv01_model;
@@ -16,7 +18,8 @@ layout(location = 2) out float vertex_alpha;
 #endif
 
 void main() {
-  surface_patch = patch_number;
+  surface_patch = vertex_patch;
+  normal_of_model = normal_model;
 #if FEATURE_ALPHA_MASK
   uv01 = uv01_model;
   vertex_alpha = color.a;

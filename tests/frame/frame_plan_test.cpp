@@ -10,13 +10,11 @@
 namespace furnace {
 namespace {
 
-const gl::Limits kLimits{16384, 4, true};
-
 TEST(FramePlan, TilesCoverThePictureOnce) {
   RenderSpec spec;
   spec.output.width = 250;
   spec.output.height = 130;
-  const FramePlan plan = plan_frame(spec, kLimits, 64);
+  const FramePlan plan = plan_frame(spec, 64);
   std::vector<int> covered(250 * 130);
   for (const Tile& tile : plan.tiles) {
     EXPECT_LE(tile.size.width, plan.tile_size.width);
@@ -31,7 +29,7 @@ TEST(FramePlan, TilesCoverThePictureOnce) {
 TEST(FramePlan, SubFramesStartAtTheCentreAndStayInThePixel) {
   RenderSpec spec;
   spec.output.samples = 64;
-  const FramePlan plan = plan_frame(spec, kLimits, 1024);
+  const FramePlan plan = plan_frame(spec, 1024);
   ASSERT_EQ(plan.jitter_px.size(), 64u);
   EXPECT_EQ(plan.jitter_px[0], glm::vec2(0));
   glm::dvec2 mean(0);
@@ -48,9 +46,9 @@ TEST(FramePlan, SubFramesStartAtTheCentreAndStayInThePixel) {
 TEST(FramePlan, FewerSubFramesAreAPrefix) {
   RenderSpec spec;
   spec.output.samples = 4;
-  const auto few = plan_frame(spec, kLimits, 1024).jitter_px;
+  const auto few = plan_frame(spec, 1024).jitter_px;
   spec.output.samples = 16;
-  const auto many = plan_frame(spec, kLimits, 1024).jitter_px;
+  const auto many = plan_frame(spec, 1024).jitter_px;
   EXPECT_TRUE(std::equal(few.begin(), few.end(), many.begin()));
 }
 
@@ -59,13 +57,8 @@ TEST(FramePlan, ABackgroundColourIsNotExposed) {
   spec.environment.background = BackgroundKind::kColor;
   spec.environment.background_color = {0.5f, 0.25f, 1};
   spec.camera.exposure_ev = 2;
-  const FramePlan plan = plan_frame(spec, kLimits, 1024);
+  const FramePlan plan = plan_frame(spec, 1024);
   EXPECT_EQ(plan.background_color * float(plan.exposure), glm::vec4(0.5f, 0.25f, 1, 4));
-}
-
-TEST(FramePlan, WithoutMultisamplingOneSampleIsTaken) {
-  EXPECT_EQ(plan_frame({}, {16384, 1, false}, 1024).msaa_samples, 1);
-  EXPECT_EQ(plan_frame({}, {16384, 8, false}, 1024).msaa_samples, 4);
 }
 
 class FrameUniformTest : public testing::Test {
@@ -74,7 +67,7 @@ class FrameUniformTest : public testing::Test {
     spec_.output.width = 300;
     spec_.output.height = 200;
     spec_.output.samples = 4;
-    plan_ = plan_frame(spec_, kLimits, 1024);
+    plan_ = plan_frame(spec_, 1024);
     view_.view_from_world = look_at({3, 2, 5}, {0, 1, 0}, {0, 1, 0});
     view_.clip_from_view = perspective_reversed(0.7, 1.5, 0.1, 100);
     view_.eye = {3, 2, 5};
@@ -96,17 +89,34 @@ class FrameUniformTest : public testing::Test {
 
 TEST_F(FrameUniformTest, JitterMovesThePictureByItsPixels) {
   const glm::vec3 point(0.4f, 0.7f, -1);
-  const glm::vec2 still = pixel_of(pack_frame(plan_, view_, environment_, 0).clip_from_world, point);
+  const glm::vec2 still =
+      pixel_of(pack_frame(plan_, view_, environment_, plan_.tiles[0], 0).clip_from_world, point);
   for (std::size_t i = 1; i < 4; ++i) {
-    const glm::vec2 moved = pixel_of(pack_frame(plan_, view_, environment_, i).clip_from_world, point);
+    const glm::vec2 moved =
+        pixel_of(pack_frame(plan_, view_, environment_, plan_.tiles[0], i).clip_from_world, point);
     EXPECT_NEAR(moved.x - still.x, plan_.jitter_px[i].x, 1e-3);
     EXPECT_NEAR(moved.y - still.y, plan_.jitter_px[i].y, 1e-3);
   }
 }
 
+// A tile's clip space and rays are the picture's, cut out.
+TEST_F(FrameUniformTest, TilesAreCutFromThePicture) {
+  const gpu::FrameBlock whole = pack_frame(plan_, view_, environment_, plan_.tiles[0], 1);
+  const Tile tile{120, 70, {64, 32}};
+  const gpu::FrameBlock cut = pack_frame(plan_, view_, environment_, tile, 1);
+  const glm::vec3 point(0.1f, 0.9f, 0.3f);
+  const glm::vec2 there = pixel_of(whole.clip_from_world, point);
+  const glm::vec4 clip = cut.clip_from_world * glm::vec4(point, 1);
+  EXPECT_NEAR((clip.x / clip.w * 0.5f + 0.5f) * 64 + 120, there.x, 1e-3);
+  EXPECT_NEAR((0.5f - clip.y / clip.w * 0.5f) * 32 + 70, there.y, 1e-3);
+  const glm::vec3 ray = glm::mat3(cut.world_from_ray) * glm::vec3(clip.x / clip.w, clip.y / clip.w, 1);
+  EXPECT_NEAR(glm::dot(glm::normalize(ray), glm::normalize(point - view_.eye)), 1, 1e-6);
+  EXPECT_EQ(cut.sky_lod, whole.sky_lod);
+}
+
 TEST_F(FrameUniformTest, BackgroundRaysMeetTheSurfacesOfTheSamePixel) {
   for (std::size_t i = 0; i < 4; ++i) {
-    const gpu::FrameBlock block = pack_frame(plan_, view_, environment_, i);
+    const gpu::FrameBlock block = pack_frame(plan_, view_, environment_, plan_.tiles[0], i);
     const glm::vec3 point(-0.6f, 1.4f, 0.5f);
     const glm::vec4 clip = block.clip_from_world * glm::vec4(point, 1);
     const glm::vec3 ray = glm::mat3(block.world_from_ray) * glm::vec3(clip.x / clip.w, clip.y / clip.w, 1);
@@ -116,7 +126,7 @@ TEST_F(FrameUniformTest, BackgroundRaysMeetTheSurfacesOfTheSamePixel) {
 
 TEST_F(FrameUniformTest, TurningTheEnvironmentTurnsItAsAnObject) {
   plan_.environment_rotation_rad = kPi / 2;
-  const gpu::FrameBlock block = pack_frame(plan_, view_, environment_, 0);
+  const gpu::FrameBlock block = pack_frame(plan_, view_, environment_, plan_.tiles[0], 0);
   // Counter-clockwise seen from above: what stood at +X now stands at -Z.
   const glm::vec3 seen = glm::mat3(block.environment_from_world) * glm::vec3(0, 0, -1);
   EXPECT_NEAR(seen.x, 1, 1e-6);
@@ -127,7 +137,7 @@ TEST_F(FrameUniformTest, GainsUndoTheStoredScale) {
   environment_.sky_scale = 0.25;
   environment_.atlas.scale = 0.5;
   plan_.environment_intensity = 3;
-  const gpu::FrameBlock block = pack_frame(plan_, view_, environment_, 0);
+  const gpu::FrameBlock block = pack_frame(plan_, view_, environment_, plan_.tiles[0], 0);
   EXPECT_EQ(block.sky_gain, 12);
   EXPECT_EQ(block.atlas_gain, 6);
   EXPECT_EQ(block.level_count, 2u);

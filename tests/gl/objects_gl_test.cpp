@@ -34,7 +34,7 @@ TEST_F(ObjectsGlTest, UnknownDeviceIsRefusedWithAdvice) {
 
 TEST_F(ObjectsGlTest, ClearedTargetReadsBackAtItsPlace) {
   const Extent size{8, 4};
-  const Texture color = create_target(context_, GL_RGBA32F, size, 1);
+  const Texture color = create_texture(context_, GL_RGBA32F, size, 1);
   const Framebuffer framebuffer = create_framebuffer(context_, color, {});
   PassState state;
   state.framebuffer = framebuffer.id();
@@ -93,18 +93,30 @@ TEST_F(ObjectsGlTest, CompileErrorNamesShaderFileAndLine) {
 // Every program the frame can ask for links, in every combination of features a material can have.
 TEST_F(ObjectsGlTest, EveryProgramBuilds) {
   ShaderLibrary library({});
-  for (FeatureSet features = 0; features < (1u << 8); ++features) {
-    if ((features & kFeatureAlphaMask) && (features & kFeatureAlphaBlend)) continue;
-    EXPECT_NO_THROW(
-        build_program(context_, library, {"surface/surface.vert", "surface/surface.frag", features}))
-        << features;
+  const auto builds = [&](const char* vertex, const char* fragment, FeatureSet features) {
+    EXPECT_NO_THROW(build_program(context_, library, {vertex, fragment, features}))
+        << fragment << " " << features;
+  };
+  // Each combination of two features of a material with none or all of the others.
+  constexpr FeatureSet kMaterialFeatures = kFeatureVeil - 1;
+  for (FeatureSet a = 1; a <= kMaterialFeatures; a <<= 1) {
+    for (FeatureSet b = a; b <= kMaterialFeatures; b <<= 1) {
+      for (const FeatureSet features : {a | b, kMaterialFeatures & ~(a | b)}) {
+        builds("surface/deferred.vert", "surface/deferred.frag",
+               features | (b == a ? FeatureSet(kFeatureVeil) : 0));
+        builds("surface/forward.vert", "surface/forward.frag", features);
+      }
+    }
   }
+  for (const FeatureSet features :
+       {0u, FeatureSet(kFeatureAlphaMask), kFeatureAlphaMask | kFeatureMaterialMaps})
+    builds("visibility/visibility.vert", "visibility/visibility.frag", features);
+  for (const char* screen : {"visibility/shares.frag", "visibility/select.frag"})
+    builds("screen/fullscreen.vert", screen, 0);
   for (const char* screen : {"screen/accumulate.frag", "screen/resolve.frag"}) {
     for (const FeatureSet sky : {0u, FeatureSet(kFeatureSky), FeatureSet(kFeatureSky | kFeatureMagnified)}) {
-      for (const FeatureSet features : {sky, FeatureSet(sky | kFeatureMultisampled)}) {
-        EXPECT_NO_THROW(build_program(context_, library, {"screen/fullscreen.vert", screen, features}))
-            << screen;
-      }
+      builds("screen/fullscreen.vert", screen, sky);
+      builds("screen/fullscreen.vert", screen, sky | kFeatureVeil);
     }
   }
 }
@@ -159,7 +171,7 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
               "layout(std140, binding = 1) uniform DrawUniform { DrawBlock draw; };\n"
               "layout(std140, binding = 2) uniform MaterialUniform { MaterialBlock material; };\n"
               "layout(std430, binding = 3) buffer Out { float result; };\n"
-              "void main() { result = frame.point_size_px + draw.handedness + material.metallic; }\n");
+              "void main() { result = frame.point_size_samples + draw.handedness + material.metallic; }\n");
   const Program program = build_program(context_, library, {"layout.comp", "", 0});
   using gpu::DrawBlock;
   using gpu::FrameBlock;
@@ -167,8 +179,8 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
   expect_layout(
       program.id(), "DrawUniform",
       {FURNACE_MEMBER(DrawBlock, world_from_model), FURNACE_MEMBER(DrawBlock, world_from_model_normal),
-       FURNACE_MEMBER(DrawBlock, handedness), FURNACE_MEMBER(DrawBlock, pad_0),
-       FURNACE_MEMBER(DrawBlock, pad_1), FURNACE_MEMBER(DrawBlock, pad_2)},
+       FURNACE_MEMBER(DrawBlock, handedness), FURNACE_MEMBER(DrawBlock, key),
+       FURNACE_MEMBER(DrawBlock, vertex_rows), FURNACE_MEMBER(DrawBlock, pad_0)},
       sizeof(DrawBlock));
   expect_layout(
       program.id(), "MaterialUniform",
@@ -176,7 +188,9 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
        FURNACE_MEMBER(MaterialBlock, metallic), FURNACE_MEMBER(MaterialBlock, perceptual_roughness),
        FURNACE_MEMBER(MaterialBlock, normal_scale), FURNACE_MEMBER(MaterialBlock, occlusion_strength),
        FURNACE_MEMBER(MaterialBlock, alpha_cutoff), FURNACE_MEMBER(MaterialBlock, double_sided),
-       FURNACE_MEMBER(MaterialBlock, uv_sets), FURNACE_MEMBER(MaterialBlock, pad_0),
+       FURNACE_MEMBER(MaterialBlock, uv_sets), FURNACE_MEMBER(MaterialBlock, map_width),
+       FURNACE_MEMBER(MaterialBlock, map_height), FURNACE_MEMBER(MaterialBlock, pad_0),
+       FURNACE_MEMBER(MaterialBlock, pad_1), FURNACE_MEMBER(MaterialBlock, pad_2),
        FURNACE_MEMBER(MaterialBlock, uv_rows)},
       sizeof(MaterialBlock));
   expect_layout(program.id(), "FrameUniform",
@@ -187,7 +201,9 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
                  FURNACE_MEMBER(FrameBlock, atlas_texel_v), FURNACE_MEMBER(FrameBlock, atlas_gain),
                  FURNACE_MEMBER(FrameBlock, sky_gain), FURNACE_MEMBER(FrameBlock, level_count),
                  FURNACE_MEMBER(FrameBlock, sky_lod), FURNACE_MEMBER(FrameBlock, pixel_footprint),
-                 FURNACE_MEMBER(FrameBlock, point_size_px)},
+                 FURNACE_MEMBER(FrameBlock, point_size_samples), FURNACE_MEMBER(FrameBlock, ndc_per_pixel_x),
+                 FURNACE_MEMBER(FrameBlock, ndc_per_pixel_y), FURNACE_MEMBER(FrameBlock, pixel_rad),
+                 FURNACE_MEMBER(FrameBlock, exposure)},
                 sizeof(FrameBlock));
 }
 

@@ -73,8 +73,10 @@ TEST(ShaderLibrary, FeatureBitsAreTheListOfTheInterface) {
       {kFeatureMaterialMaps, "FEATURE_MATERIAL_MAPS"},
       {kFeaturePackedOcclusion, "FEATURE_PACKED_OCCLUSION"},
       {kFeatureEmissiveMap, "FEATURE_EMISSIVE_MAP"},
+      {kFeatureAlignedMaps, "FEATURE_ALIGNED_MAPS"},
+      {kFeatureVertexColor, "FEATURE_VERTEX_COLOR"},
       {kFeatureSharpReflection, "FEATURE_SHARP_REFLECTION"},
-      {kFeatureMultisampled, "FEATURE_MULTISAMPLED"},
+      {kFeatureVeil, "FEATURE_VEIL"},
       {kFeatureSky, "FEATURE_SKY"},
       {kFeatureMagnified, "FEATURE_MAGNIFIED"}};
   ASSERT_EQ(names.size(), std::size(expected));

@@ -75,7 +75,7 @@ TEST(Packing, UvTransformScalesThenRotatesThenMoves) {
 TEST(Packing, NormalsStayPerpendicularUnderAnyScale) {
   const glm::mat4 world_from_model =
       glm::scale(glm::rotate(glm::mat4(1), 0.7f, glm::vec3(1, 2, 3)), {2, 0.5f, -3});
-  const DrawBlock block = pack_draw(world_from_model);
+  const DrawBlock block = pack_draw(world_from_model, 7, 4);
   EXPECT_EQ(block.handedness, -1);
   const glm::vec3 normal(0.6f, 0.8f, 0), tangent(-0.8f, 0.6f, 0), bitangent(0, 0, 1);
   const glm::vec3 n = glm::mat3(block.world_from_model_normal) * normal;

@@ -1,3 +1,4 @@
+#include "renderer/scene/mesh_patches.hpp"
 #include "renderer/scene/scene.hpp"
 
 #include <gtest/gtest.h>
@@ -93,6 +94,15 @@ TEST(ByteSize, CountsEveryArrayAndImage) {
   EXPECT_EQ(mesh.byte_size() - bare, count * (12 + 12 + 16 + 8 + 8 + 16 + 4));
   scene.meshes.push_back(mesh);
   EXPECT_GE(scene.byte_size(), mesh.byte_size() + 1000);
+}
+
+TEST(MeshPatches, TrianglesThatShareVerticesAreOne) {
+  Mesh mesh;
+  mesh.positions.resize(11);
+  // A strip of three triangles that meet only at its end, one apart, and a vertex that nothing uses.
+  mesh.indices = {0, 1, 2, 4, 5, 6, 2, 3, 4, 7, 8, 9};
+  const std::vector<std::uint32_t> patches = mesh_patches(mesh);
+  EXPECT_EQ(patches, (std::vector<std::uint32_t>{0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 2}));
 }
 
 }  // namespace

@@ -168,7 +168,7 @@ TEST_F(ShadersGlTest, EquirectConventionIsThatOfTheContract) {
 
 TEST_F(ShadersGlTest, WideningAlphaNeverSharpens) {
   const auto results =
-      run("lib/brdf.glsl", "result.x = antialiased_alpha(vec3(x.x, 0, 0), vec3(0, x.x, 0), x.y, x.z);",
+      run("lib/brdf.glsl", "result.x = antialiased_alpha(2.0 * x.x * x.x, x.y, x.z);",
           {{0, 0.25f, 1, 0}, {0.1f, 0.25f, 1, 0}, {10, 0.25f, 1, 0}, {0.1f, 0.25f, 0.1f, 0}});
   EXPECT_NEAR(results[0].x, 0.25, 1e-6);
   EXPECT_GT(results[1].x, 0.25);
