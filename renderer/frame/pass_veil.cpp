@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "renderer/frame/draw_binding.hpp"
 
 namespace furnace {
@@ -8,12 +10,18 @@ void bind(const PassContext& pass, const Draw& draw) {
   bind_draw(pass, draw);
 }
 
+// A pixel wide, where the context draws lines of two samples.
+void set_line_width(const PassContext& pass) {
+  glLineWidth(std::min(2.f, pass.context.limits().max_line_width));
+}
+
 void draw_strokes(const PassContext& pass) {
   gl::PassState state = tile_state(pass, pass.targets.veil->framebuffer, Grid::kSamples);
   state.depth = gl::DepthUse::kTestAndWrite;
   state.clear_color = glm::vec4(0);
   gl::begin_pass(pass.context, state);
   bind_environment(pass);
+  set_line_width(pass);
   for (const Draw& draw : pass.scene.strokes) {
     bind(pass, draw);
     draw_mesh(draw, GL_NONE);

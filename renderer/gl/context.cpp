@@ -130,6 +130,11 @@ std::unique_ptr<Context> Context::create(const ContextConfig& config) {
     state->renderer = gl_string(GL_RENDERER);
     state->version = gl_string(GL_VERSION);
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &state->limits.max_texture_px);
+    std::array<GLfloat, 2> widths{1, 1};
+    glGetFloatv(GL_ALIASED_LINE_WIDTH_RANGE, widths.data());
+    GLint flags = 0;
+    glGetIntegerv(GL_CONTEXT_FLAGS, &flags);
+    if ((flags & GL_CONTEXT_FLAG_FORWARD_COMPATIBLE_BIT) == 0) state->limits.max_line_width = widths[1];
     GLint texels = 0;
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
     state->limits.max_buffer_texels = std::size_t(texels);

@@ -44,6 +44,7 @@ void apply_determinism(Determinism determinism);
 struct Limits {
   int max_texture_px = 0;
   std::size_t max_buffer_texels = 0;
+  float max_line_width = 1;  // 1 in forward-compatible contexts
   bool software = false;
 };
 

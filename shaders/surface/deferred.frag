@@ -2,6 +2,7 @@
 #include "lib/visibility.glsl"
 #include "surface/constants.glsl"
 #include "surface/deferred_constants.glsl"
+#include "surface/tangent_frame.glsl"
 
 layout(binding = 8) uniform usampler2D visibility_map;
 layout(binding = 9) uniform usampler2D shares_map;
@@ -70,9 +71,10 @@ vec4 interpolate(ivec3 rows, int row, vec3 weights) {
 
 // How much v / |v| changes when v changes by d, squared.
 float unit_change2(vec3 v, vec3 d) {
-  float length2 = max(dot(v, v), 1e-20);
-  float along = dot(v, d);
-  return max(dot(d, d) - along * along / length2, 0.0) / length2;
+  float length2 = dot(v, v);
+  if (!(length2 > 0.0)) return 0.0;
+  vec3 across = d - v * (dot(v, d) / length2);
+  return dot(across, across) / length2;
 }
 
 // `ndc_at`: where in the pixel.
@@ -95,14 +97,17 @@ Attributes seen_attributes(uint triangle, vec2 ndc_at) {
   a.to_viewer_world = to_viewer_world;
   vec3 normal_0 = texelFetch(vertices, rows.x + 1).xyz, normal_1 = texelFetch(vertices, rows.y + 1).xyz,
        normal_2 = texelFetch(vertices, rows.z + 1).xyz;
-  a.normal_world = deferred.world_from_model_normal * (normal_0 * at.x + normal_1 * at.y + normal_2 * at.z);
+  vec3 normal_model = normal_0 * at.x + normal_1 * at.y + normal_2 * at.z;
+  vec3 normal_world = deferred.world_from_model_normal * normal_model;
+  a.normal_world = with_length_of(normal_model, normal_world);
   a.normal_change2 =
-      unit_change2(a.normal_world, deferred.world_from_model_normal * (normal_0 * dx.x + normal_1 * dx.y + normal_2 * dx.z)) +
-      unit_change2(a.normal_world, deferred.world_from_model_normal * (normal_0 * dy.x + normal_1 * dy.y + normal_2 * dy.z));
+      unit_change2(normal_world, deferred.world_from_model_normal * (normal_0 * dx.x + normal_1 * dx.y + normal_2 * dx.z)) +
+      unit_change2(normal_world, deferred.world_from_model_normal * (normal_0 * dy.x + normal_1 * dy.y + normal_2 * dy.z));
   a.tangent_world = vec4(0.0);
 #if FEATURE_NORMAL_MAP
   vec4 tangent = interpolate(rows, 2, at);
-  a.tangent_world = vec4(deferred.world_from_model * tangent.xyz, tangent.w * deferred.scalars.x);
+  a.tangent_world =
+      vec4(with_length_of(tangent.xyz, deferred.world_from_model * tangent.xyz), tangent.w * deferred.scalars.x);
 #endif
   vec4 uv_0 = texelFetch(vertices, rows.x + 3), uv_1 = texelFetch(vertices, rows.y + 3),
        uv_2 = texelFetch(vertices, rows.z + 3);

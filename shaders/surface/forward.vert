@@ -1,5 +1,6 @@
 // Blended surfaces, lines and points: shaded where they are drawn.
 #include "interface/draw_block.glsl"
+#include "surface/tangent_frame.glsl"
 #include "surface/write_constants.glsl"
 
 layout(std140, binding = 0) uniform FrameUniform { FrameBlock frame; };
@@ -21,9 +22,10 @@ layout(location = 5) flat out SurfaceConstants constants;
 void main() {
   vec4 world = draw.world_from_model * vec4(position_model, 1.0);
   to_viewer_world = frame.eye_world.w > 0.5 ? frame.eye_world.xyz - world.xyz : frame.towards_viewer_world.xyz;
-  normal_world = mat3(draw.world_from_model_normal) * normal_model;
+  normal_world = with_length_of(normal_model, mat3(draw.world_from_model_normal) * normal_model);
 #if FEATURE_NORMAL_MAP
-  tangent_world = vec4(mat3(draw.world_from_model) * tangent_model.xyz, tangent_model.w * draw.handedness);
+  tangent_world = vec4(with_length_of(tangent_model.xyz, mat3(draw.world_from_model) * tangent_model.xyz),
+                       tangent_model.w * draw.handedness);
 #else
   tangent_world = vec4(0.0);
 #endif

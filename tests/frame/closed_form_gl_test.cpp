@@ -184,6 +184,32 @@ TEST_F(ClosedFormGlTest, BlendedLayersComposeBackToFront) {
   }
 }
 
+// An edge takes the mean of four samples, and a whole one sees the true area. Turned by a little, it meets every phase of a
+// pixel.
+TEST_F(ClosedFormGlTest, EdgesAreSmoothAndOfTheRightArea) {
+  MaterialOverride white;
+  white.base_color = glm::vec4(1);
+  white.unlit = true;
+  RenderSpec spec = spec_of("plane", white, glm::vec3(0));
+  NodeSpec& plane = spec.scene.nodes[0];
+  plane.rotation = glm::angleAxis(glm::radians(7.f), glm::vec3(0, 1, 0));
+  spec.camera.view = LookAtCamera{{0, 4, 0}, {0, 0, 0}, {0, 0, -1}, 2 * std::atan(0.5)};
+  const Film film = render(spec);
+  double sum = 0;
+  int between = 0;
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      const float value = pixel(film, x, y).r;
+      EXPECT_EQ(value * 4, std::round(value * 4));
+      sum += value;
+      between += value > 0 && value < 1;
+    }
+  }
+  // The plane is 1 m wide; 4 m away the picture is 4 m high.
+  EXPECT_NEAR(sum / (64 * 64), 1.0 / 16, 2e-4);
+  EXPECT_GT(between, 30);
+}
+
 TEST_F(ClosedFormGlTest, NearerSurfacesHideFartherOnes) {
   MaterialOverride red, green;
   red.base_color = glm::vec4(1, 0, 0, 1);

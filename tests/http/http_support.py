@@ -183,7 +183,7 @@ def read_png(data):
 # --- glTF -------------------------------------------------------------------------------------------------------------
 
 
-def textured_quad():
+def textured_quad(change=lambda document: None):
     """A quad that faces +Z with a texture, as {file name: bytes}: quad.gltf, quad.bin and red.png."""
     positions = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
     normals = [(0, 0, 1)] * 4
@@ -215,6 +215,7 @@ def textured_quad():
             {"bufferView": 3, "componentType": 5123, "count": 6, "type": "SCALAR"},
         ],
     }
+    change(document)
     return {
         "quad.gltf": json.dumps(document).encode(),
         "quad.bin": buffer,

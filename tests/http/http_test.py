@@ -194,6 +194,26 @@ class Multipart(Case):
     def test_without_a_request_part(self):
         self.expect_picture(self.post(None, "red.png"), 1024, 1024)
 
+    def test_a_normal_map_does_not_depend_on_scale(self):
+        pictures = []
+        for scale in (1, 1e-4, 1e4):
+            def scaled(document):
+                document["nodes"][0]["scale"] = [scale] * 3
+                document["materials"] = [{"normalTexture": {"index": 0}, "pbrMetallicRoughness": {"roughnessFactor": 0.3}}]
+            # Leans by 45 degrees towards the quad's right.
+            files = support.textured_quad(scaled) | {"red.png": support.write_png(4, 4, lambda x, y: (218, 128, 218))}
+            with tempfile.TemporaryDirectory() as folder:
+                for name, content in files.items():
+                    with open(os.path.join(folder, name), "wb") as file:
+                        file.write(content)
+                request = self.request("part:quad.gltf", environment={"map": "builtin:clear-sky"})
+                answer = self.server.curl("/v1/renders", "-F", f"request={json.dumps(request)};type=application/json",
+                                          *(flag for name in files for flag in ("-F", f"{name}=@{folder}/{name}")))
+            pictures.append(self.expect_picture(answer, 32, 32)[16 * 32 + 16][:3])
+        for picture in pictures[1:]:
+            for ours, expected in zip(picture, pictures[0]):
+                self.assertAlmostEqual(ours, expected, delta=2, msg=f"{pictures}")
+
     def test_a_file_that_is_no_model(self):
         self.expect_problem(self.post(self.request("part:red.png"), "red.png"), 422)
 
