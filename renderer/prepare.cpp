@@ -95,6 +95,12 @@ PreparedEnvironment prepare_environment(Image radiance, const ContentHash& key, 
   const auto shared = std::make_shared<const Image>(std::move(radiance));
   const auto baked = bake_environment(shared, key, pool, deadline);
   out.atlas = make_octahedral_atlas(*baked, pool);
+  out.summary.size = shared->extent;
+  out.summary.mean = baked->mean;
+  out.summary.peak = baked->peak;
+  out.summary.horizontal_illuminance_lux = horizontal_illuminance_lux(*baked);
+  out.summary.bake_ms = baked->bake_ms;
+  out.summary.suns = extract_suns(*shared).suns;
 
   out.sky = make_image(shared->extent, 4, SampleType::kFloat16, ColorSpace::kLinear);
   out.sky_scale = half_scale(baked->peak);

@@ -144,6 +144,10 @@ Film Renderer::render(const RenderSpec& spec, const Deadline& deadline) {
   return film;
 }
 
+EnvironmentAnswer Renderer::environment(const EnvironmentSpec& spec, const Deadline& deadline) {
+  return state_->scenes.environment_summary(spec, deadline);
+}
+
 bool Renderer::probe(const Deadline& deadline) {
   const Film film = render(probe_spec(), deadline);
   // A white furnace: whatever is drawn, every pixel is 1.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "renderer/gl/context.hpp"
 #include "renderer/image/decode.hpp"
 #include "renderer/image/image.hpp"
+#include "renderer/residency/prepared_scene.hpp"
 #include "renderer/scene/render_spec.hpp"
 #include "renderer/scene/scene.hpp"
 
@@ -23,6 +25,8 @@ struct RendererConfig {
   std::string shader_dir;                        // empty: the shaders in the binary
   std::int64_t scene_cache_bytes = 256ll << 20;  // parsed scenes
   std::int64_t bake_cache_bytes = 512ll << 20;   // baked environments, CPU
+  std::filesystem::path data_folder;             // of the disk cache; empty: none
+  std::int64_t disk_cache_bytes = 4096ll << 20;  // baked environments on disk
   std::int64_t gpu_cache_bytes = 1024ll << 20;   // meshes, textures, environments on the GPU, per context
   int max_tile_px = 1024;                        // larger pictures are drawn in tiles of this side
   ImportLimits import;
@@ -34,6 +38,7 @@ struct RendererConfig {
 struct StageTimes {
   double queue_ms = 0, decode_ms = 0, bake_ms = 0, upload_ms = 0, draw_ms = 0, readback_ms = 0, encode_ms = 0;
   bool decode_hit = false, bake_hit = false, upload_hit = false;
+  bool bake_from_disk = false;  // with bake_hit: it was not in memory
 };
 
 // A finished picture before encoding.
@@ -42,6 +47,11 @@ struct Film {
   Image image;
   std::vector<Note> notes;  // what was not drawn as asked
   StageTimes times;
+};
+
+struct EnvironmentAnswer {
+  EnvironmentSummary summary;
+  bool was_cached = false;
 };
 
 // What makes pixels besides the request: part of every ETag.
@@ -61,6 +71,9 @@ class Renderer {
 
   // Errors: those of import, decode, bake, framing; kDeadlineExceeded; kGpuUnavailable.
   Film render(const RenderSpec& spec, const Deadline& deadline);
+
+  // What a bake of the environment found; bakes it when no cache has it, as a render would. Errors: those of decode and bake.
+  EnvironmentAnswer environment(const EnvironmentSpec& spec, const Deadline& deadline);
 
   // Draws a tiny built-in probe and checks its pixels; false when they are wrong.
   bool probe(const Deadline& deadline);

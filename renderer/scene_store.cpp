@@ -61,9 +61,12 @@ SceneStore::SceneStore(const RendererConfig& config, WorkerPool& pool, std::shar
       imports_(config.scene_cache_bytes, [](const Scene& scene) { return std::int64_t(scene.byte_size()); }),
       compositions_(config.scene_cache_bytes,
                     [](const ComposedScene& scene) { return std::int64_t(scene.byte_size()); }),
-      environments_(config.bake_cache_bytes, [](const Environment& environment) {
-        return std::int64_t(environment.prepared.byte_size());
-      }) {}
+      environments_(
+          config.bake_cache_bytes,
+          [](const Environment& environment) { return std::int64_t(environment.prepared.byte_size()); }),
+      bake_store_(config.data_folder.empty()
+                      ? nullptr
+                      : std::make_unique<BakeStore>(config.data_folder, config.disk_cache_bytes)) {}
 
 std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, const Deadline& deadline,
                                                          bool& hit) {
@@ -129,47 +132,71 @@ void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, std::v
   for (const PreparedTexture& texture : out.textures) hit = hit && texture.pixels == nullptr;
 }
 
+DecodedEnvironment SceneStore::decode(const EnvironmentSpec& spec) const {
+  if (const auto* builtin = std::get_if<BuiltinName>(&spec.map)) {
+    auto image = builtin_environment(builtin->name);
+    if (!image) {
+      fail(ErrorCode::kUnprocessable, fmt::format("there is no built-in environment \"{}\"", builtin->name),
+           "/environment/map");
+    }
+    return {*std::move(image), {}};
+  }
+  if (const auto* file = std::get_if<EnvironmentFile>(&spec.map)) {
+    try {
+      return decode_environment(file->bytes, config_.environment);
+    } catch (Error& error) {
+      error.pointer = "/environment/map";
+      throw;
+    }
+  }
+  return {constant_environment(std::get<EnvironmentColor>(spec.map).radiance), {}};
+}
+
+SceneStore::Environment SceneStore::bake(const EnvironmentSpec& spec, const ContentHash& key,
+                                         const Deadline& deadline, StageTimes& times) {
+  DecodedEnvironment decoded;
+  {
+    const Stopwatch watch(times.decode_ms);
+    decoded = decode(spec);
+  }
+  const Stopwatch watch(times.bake_ms);
+  Environment made{prepare_environment(std::move(decoded.equirect), key, pool_, deadline),
+                   repair_notes(decoded.repairs)};
+  made.prepared.summary.repairs = decoded.repairs;
+  return made;
+}
+
 std::shared_ptr<const SceneStore::Environment> SceneStore::environment(const EnvironmentSpec& spec,
                                                                        const Deadline& deadline,
                                                                        StageTimes& times) {
   CacheOutcome outcome = CacheOutcome::kLoaded;
   const ContentHash key = environment_key(spec);
+  // A constant colour is baked sooner than read.
+  BakeStore* store = std::holds_alternative<EnvironmentColor>(spec.map) ? nullptr : bake_store_.get();
   auto environment = environments_.get_or_load(
       key, deadline,
       [&] {
-        Environment made;
-        Image radiance;
-        {
-          const Stopwatch watch(times.decode_ms);
-          if (const auto* builtin = std::get_if<BuiltinName>(&spec.map)) {
-            auto image = builtin_environment(builtin->name);
-            if (!image) {
-              fail(ErrorCode::kUnprocessable,
-                   fmt::format("there is no built-in environment \"{}\"", builtin->name), "/environment/map");
-            }
-            radiance = std::move(*image);
-          } else if (const auto* file = std::get_if<EnvironmentFile>(&spec.map)) {
-            DecodedEnvironment decoded = [&] {
-              try {
-                return decode_environment(file->bytes, config_.environment);
-              } catch (Error& error) {
-                error.pointer = "/environment/map";
-                throw;
-              }
-            }();
-            made.notes = repair_notes(decoded.repairs);
-            radiance = std::move(decoded.equirect);
-          } else {
-            radiance = constant_environment(std::get<EnvironmentColor>(spec.map).radiance);
+        if (store != nullptr) {
+          const Stopwatch watch(times.bake_ms);
+          if (std::optional<StoredBake> stored = store->load(key)) {
+            times.bake_from_disk = true;
+            stored->environment.key = key;
+            return Environment{std::move(stored->environment), std::move(stored->notes)};
           }
         }
-        const Stopwatch watch(times.bake_ms);
-        made.prepared = prepare_environment(std::move(radiance), key, pool_, deadline);
+        Environment made = bake(spec, key, deadline, times);
+        if (store != nullptr) store->save(key, {made.prepared, made.notes});
         return made;
       },
       &outcome);
-  times.bake_hit = outcome == CacheOutcome::kHit;
+  times.bake_hit = outcome == CacheOutcome::kHit || times.bake_from_disk;
   return environment;
+}
+
+EnvironmentAnswer SceneStore::environment_summary(const EnvironmentSpec& spec, const Deadline& deadline) {
+  StageTimes times;
+  const auto found = environment(spec, deadline, times);
+  return {found->prepared.summary, times.bake_hit};
 }
 
 Preparation SceneStore::prepare(const RenderSpec& spec, const Deadline& deadline, StageTimes& times) {

@@ -5,6 +5,7 @@
 
 #include "renderer/base/budget_cache.hpp"
 #include "renderer/base/worker_pool.hpp"
+#include "renderer/bake_store.hpp"
 #include "renderer/compose.hpp"
 #include "renderer/renderer.hpp"
 #include "renderer/residency/residency.hpp"
@@ -26,6 +27,9 @@ class SceneStore {
   // Errors: those of import, composition, decoding and baking, with pointers into the request or the model.
   Preparation prepare(const RenderSpec& spec, const Deadline& deadline, StageTimes& times);
 
+  // Bakes an environment as a render would, for its report. Errors: those of decoding and baking.
+  EnvironmentAnswer environment_summary(const EnvironmentSpec& spec, const Deadline& deadline);
+
  private:
   struct Environment {
     PreparedEnvironment prepared;
@@ -34,6 +38,10 @@ class SceneStore {
 
   std::shared_ptr<const ComposedScene> compose(const SceneSpec& spec, const Deadline& deadline, bool& hit);
   void prepare_textures(PreparedScene& out, const Scene& scene, std::vector<Note>& notes, bool& hit);
+  DecodedEnvironment decode(const EnvironmentSpec& spec) const;
+  Environment bake(const EnvironmentSpec& spec, const ContentHash& key, const Deadline& deadline,
+                   StageTimes& times);
+  // From memory, from disk, or baked.
   std::shared_ptr<const Environment> environment(const EnvironmentSpec& spec, const Deadline& deadline,
                                                  StageTimes& times);
 
@@ -43,6 +51,7 @@ class SceneStore {
   BudgetCache<Scene> imports_;
   BudgetCache<ComposedScene> compositions_;
   BudgetCache<Environment> environments_;
+  std::unique_ptr<BakeStore> bake_store_;  // null without a data folder
 };
 
 }  // namespace furnace

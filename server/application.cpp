@@ -41,6 +41,8 @@ RendererConfig renderer_config(const Config& config) {
   out.shader_dir = config.shader_dir;
   out.scene_cache_bytes = config.scene_cache_bytes;
   out.bake_cache_bytes = config.bake_cache_bytes;
+  out.data_folder = config.data;
+  out.disk_cache_bytes = config.disk_cache_bytes;
   out.gpu_cache_bytes = config.gpu_cache_bytes;
   return out;
 }
@@ -72,6 +74,14 @@ api::Capabilities capabilities(const Config& config, const Renderer& renderer) {
   return out;
 }
 
+RegistryConfig registry_config(const Config& config) {
+  RegistryConfig out;
+  if (!config.data.empty()) out.folder = std::filesystem::path(config.data) / "environments";
+  out.max_bytes = config.environments_bytes;
+  out.maps_bytes = config.bake_cache_bytes;
+  return out;
+}
+
 std::vector<std::filesystem::path> paths(const std::vector<std::string>& texts) {
   return {texts.begin(), texts.end()};
 }
@@ -92,6 +102,9 @@ Engine::Engine(const Config& config, std::vector<std::filesystem::path> file_roo
       renderer(renderer_config(config), pool_),
       admission(seats(config), config.queue),
       files(std::move(file_roots), config.file_cache_bytes, config.max_file_bytes),
+      environments([this](const EnvironmentSpec& spec,
+                          const Deadline& deadline) { return renderer.environment(spec, deadline); },
+                   pool_, registry_config(config)),
       service(renderer, admission, pool_) {}
 
 Application::Application(const Config& config)
@@ -100,8 +113,13 @@ Application::Application(const Config& config)
       metrics_(build_id()),
       readiness_([this](const Deadline& deadline) { return engine_.renderer.probe(deadline); },
                  milliseconds(config_.ready_timeout_ms)),
-      doors_{engine_.service,  engine_.admission, engine_.files,
-             readiness_,       metrics_,          capabilities(config_, engine_.renderer),
+      doors_{engine_.service,
+             engine_.admission,
+             engine_.files,
+             engine_.environments,
+             readiness_,
+             metrics_,
+             capabilities(config_, engine_.renderer),
              config_.max_parts},
       public_dispatcher_(public_routes(doors_, config_.admin_listen.empty()), metrics_),
       admin_dispatcher_(operation_routes(doors_, true), metrics_),

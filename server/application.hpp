@@ -11,6 +11,7 @@
 #include "server/admission.hpp"
 #include "server/config.hpp"
 #include "server/dispatcher.hpp"
+#include "server/environment_registry.hpp"
 #include "server/http_server.hpp"
 #include "server/metrics.hpp"
 #include "server/render_service.hpp"
@@ -32,6 +33,7 @@ class Engine {
   Renderer renderer;
   Admission admission;
   FileAssets files;
+  EnvironmentRegistry environments;
   RenderService service;
 };
 

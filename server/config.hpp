@@ -19,6 +19,7 @@ struct Config {
   std::string determinism = "fast";
   std::string shader_dir;
   std::vector<std::string> assets;  // roots of "file:" references
+  std::string data;                 // folder for what outlives the process; empty: nothing does
   std::string log_level = "info";
 
   int seats = 0;  // 0: one per core and one for the GL thread
@@ -43,6 +44,8 @@ struct Config {
 
   std::int64_t scene_cache_bytes = 256ll << 20;
   std::int64_t bake_cache_bytes = 512ll << 20;
+  std::int64_t disk_cache_bytes = 4096ll << 20;
+  std::int64_t environments_bytes = 512ll << 20;
   std::int64_t gpu_cache_bytes = 1024ll << 20;
   std::int64_t file_cache_bytes = 256ll << 20;
   std::int64_t max_file_bytes = 512ll << 20;

@@ -25,6 +25,12 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+bool takes(const Route& route, std::string_view path) {
+  if (!route.path.ends_with("/*")) return route.path == path;
+  const std::string_view folder = route.path.substr(0, route.path.size() - 1);
+  return path.starts_with(folder) && path.size() > folder.size();
+}
+
 // Statuses of the protocol itself that an ErrorCode stands for.
 std::optional<ErrorCode> code_of(int status) {
   switch (status) {
@@ -141,7 +147,7 @@ Reply Dispatcher::answer(const Request& request, std::string_view& route) const 
 const Route& Dispatcher::find(const Request& request) const {
   const std::string_view method = request.method == "HEAD" ? std::string_view("GET") : request.method;
   for (const Route& route : routes_) {
-    if (route.path == request.path && route.method == method) return route;
+    if (takes(route, request.path) && route.method == method) return route;
   }
   if (const std::string allowed = allowed_methods(request.path); !allowed.empty()) {
     fail(ErrorCode::kMethodNotAllowed, fmt::format("{} takes {}.", request.path, allowed));
@@ -152,7 +158,7 @@ const Route& Dispatcher::find(const Request& request) const {
 std::string Dispatcher::allowed_methods(std::string_view path) const {
   std::string allowed;
   for (const Route& route : routes_) {
-    if (route.path != path) continue;
+    if (!takes(route, path)) continue;
     allowed += fmt::format("{}{}", route.method, route.method == "GET" ? ", HEAD, " : ", ");
   }
   return allowed.empty() ? allowed : allowed + "OPTIONS";

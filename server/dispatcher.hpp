@@ -17,7 +17,7 @@ class Metrics;
 
 struct Route {
   std::string_view method;  // "GET" answers HEAD too
-  std::string_view path;    // exact
+  std::string_view path;    // exact; with "/*" at its end everything below
   std::function<Reply(const Request&)> handler;
 };
 

@@ -17,6 +17,7 @@
 #include "api/document.hpp"
 #include "api/render_request.hpp"
 #include "server/build_id.hpp"
+#include "server/environment_routes.hpp"
 #include "server/multipart.hpp"
 #include "server/negotiation.hpp"
 
@@ -96,7 +97,8 @@ bool names_format(std::string_view document, const api::RequestLimits& limits) {
 RenderSpec parse_spec(const RenderBody& body, std::string_view accept, const Doors& doors) {
   const OutputFormat preferred = preferred_format(accept);
   const api::Capabilities& can = doors.capabilities;
-  const AssetResolver assets(doors.files, body.parts, can.import);
+  const AssetResolver assets(doors.files, body.parts, can.import,
+                             [&](const std::string& name) { return doors.environments.find(name); });
   RenderSpec spec = api::parse_render_request(body.document, assets, can.request);
   if (!names_format(body.document, can.request)) {
     spec.output.format = preferred;
@@ -109,12 +111,12 @@ RenderSpec parse_spec(const RenderBody& body, std::string_view accept, const Doo
 }
 
 std::string server_timing(const StageTimes& times) {
-  const auto stage = [](std::string_view name, double ms, bool hit) {
-    return fmt::format("{}{};dur={:.2f}", name, hit ? ";desc=hit" : "", ms);
+  const auto stage = [](std::string_view name, double ms, bool hit, std::string_view where = "hit") {
+    return fmt::format("{}{}{};dur={:.2f}", name, hit ? ";desc=" : "", hit ? where : "", ms);
   };
   return fmt::format("{}, {}, {}, {}, {}, {}, {}", stage("queue", times.queue_ms, false),
                      stage("decode", times.decode_ms, times.decode_hit),
-                     stage("bake", times.bake_ms, times.bake_hit),
+                     stage("bake", times.bake_ms, times.bake_hit, times.bake_from_disk ? "disk" : "hit"),
                      stage("upload", times.upload_ms, times.upload_hit), stage("draw", times.draw_ms, false),
                      stage("readback", times.readback_ms, false), stage("encode", times.encode_ms, false));
 }
@@ -180,6 +182,7 @@ std::string welcome() {
       "Furnace {}: one JSON document describes one picture.\n\n"
       "  curl -X POST http://HOST:PORT/v1/renders -H 'Content-Type: application/json' -d '{{}}' -o "
       "picture.png\n\n"
+      "PUT /v1/environments/NAME  names an HDRI; its report and its baked maps\n"
       "GET /v1/schema.json      every field of the document, with unit, range and default\n"
       "GET /openapi.json        the whole API\n"
       "GET /v1/capabilities     formats, limits, extensions, fingerprint\n"
@@ -253,6 +256,7 @@ std::vector<Route> public_routes(const Doors& doors, bool with_metrics) {
       document("/v1/schema.json", "application/schema+json", std::string(api::render_request_schema())));
   routes.push_back(document("/openapi.json", kJson, api::openapi_document(version())));
   routes.push_back(document("/v1/capabilities", kJson, api::capabilities_json(doors.capabilities)));
+  for (Route& route : environment_routes(doors.environments)) routes.push_back(std::move(route));
   routes.push_back(document("/", kPlainText, welcome()));
   return routes;
 }

@@ -9,6 +9,7 @@
 
 #include "api/capabilities.hpp"
 #include "server/dispatcher.hpp"
+#include "server/environment_registry.hpp"
 #include "server/metrics.hpp"
 #include "server/render_service.hpp"
 
@@ -43,6 +44,7 @@ struct Doors {
   RenderService& service;
   Admission& admission;
   FileAssets& files;
+  EnvironmentRegistry& environments;
   Readiness& readiness;
   Metrics& metrics;
   api::Capabilities capabilities;  // with the limits that requests are held to

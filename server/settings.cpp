@@ -49,6 +49,9 @@ constexpr std::array kSettings = {
             {},
             "folder that file: references may read from; may be given more than once (in one value: "
             "separated by ':')"},
+    text("data", &Config::data, Unit::kText,
+         "folder, made when missing, that keeps baked and named environments; without it they end with the "
+         "process"),
     text("log-level", &Config::log_level, Unit::kChoice, "least level that is logged",
          "debug|info|warning|error|off"),
 
@@ -89,6 +92,10 @@ constexpr std::array kSettings = {
            "parsed scenes kept in memory"),
     number("bake-cache", &Config::bake_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,
            "baked environments kept in memory"),
+    number("disk-cache", &Config::disk_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,
+           "baked environments kept below --data"),
+    number("environments", &Config::environments_bytes, Unit::kBytes, 0, 64 * kGiB,
+           "files of all named environments together"),
     number("gpu-cache", &Config::gpu_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,
            "meshes, textures and environments kept on the GPU"),
     number("file-cache", &Config::file_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,

@@ -155,6 +155,7 @@ namespace {
 
 constexpr std::string_view kPartScheme = "part:";
 constexpr std::string_view kFileScheme = "file:";
+constexpr std::string_view kEnvironmentScheme = "environment:";
 
 [[noreturn]] void fail_unknown_scheme(const std::string& pointer) {
   fail(ErrorCode::kUnprocessable, "a reference begins with \"part:\", \"file:\" or \"data:\"", pointer);
@@ -178,8 +179,9 @@ std::optional<Blob> find_sibling(const std::map<std::string, Blob>& parts, const
 
 }  // namespace
 
-AssetResolver::AssetResolver(FileAssets& files, std::map<std::string, Blob> parts, ImportLimits limits)
-    : files_(&files), parts_(std::move(parts)), limits_(limits) {}
+AssetResolver::AssetResolver(FileAssets& files, std::map<std::string, Blob> parts, ImportLimits limits,
+                             NamedEnvironments environments)
+    : files_(&files), parts_(std::move(parts)), limits_(limits), environments_(std::move(environments)) {}
 
 Blob AssetResolver::read(const std::string& reference, const std::string& pointer) const {
   if (reference.starts_with(kPartScheme)) {
@@ -189,6 +191,12 @@ Blob AssetResolver::read(const std::string& reference, const std::string& pointe
     return part->second;
   }
   if (reference.starts_with(kFileScheme)) return files_->read(reference.substr(kFileScheme.size()), pointer);
+  if (reference.starts_with(kEnvironmentScheme)) {
+    const std::string name = reference.substr(kEnvironmentScheme.size());
+    std::optional<Blob> file = environments_ ? environments_(name) : std::nullopt;
+    if (!file) fail(ErrorCode::kNotFound, "there is no environment named \"" + name + "\"", pointer);
+    return *std::move(file);
+  }
   if (is_data_uri(reference)) return Blob(decode_data_uri(reference, pointer));
   fail_unknown_scheme(pointer);
 }

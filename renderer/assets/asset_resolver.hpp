@@ -6,8 +6,10 @@
 #include "renderer/base/budget_cache.hpp"
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,9 +36,13 @@ class FileAssets {
 // Threads: one request.
 class AssetResolver {
  public:
-  AssetResolver(FileAssets& files, std::map<std::string, Blob> parts, ImportLimits limits);
+  // Environments by the names their users gave them; none: there is no such name.
+  using NamedEnvironments = std::function<std::optional<Blob>(const std::string& name)>;
 
-  // `reference` is "part:NAME", "file:RELATIVE", "data:..." (base64 or percent-encoded); `pointer` is its place in the request.
+  AssetResolver(FileAssets& files, std::map<std::string, Blob> parts, ImportLimits limits,
+                NamedEnvironments environments = {});
+
+  // `reference` is "part:NAME", "file:RELATIVE", "environment:NAME", "data:..." (base64 or percent-encoded); `pointer` is its place in the request.
   // Errors: kUnprocessable for an unknown scheme or a broken data: URI, kNotFound for a name that is not there.
   Blob read(const std::string& reference, const std::string& pointer) const;
   // As read, with the siblings of a .gltf: other parts of the request by name or file name (also by the last path segment), or files
@@ -48,6 +54,7 @@ class AssetResolver {
   FileAssets* files_;
   std::map<std::string, Blob> parts_;
   ImportLimits limits_;
+  NamedEnvironments environments_;
 };
 
 }  // namespace furnace

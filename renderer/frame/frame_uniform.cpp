@@ -79,7 +79,8 @@ gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const Prepar
                 atlas.level_tiles.size());
   for (std::size_t i = 0; i < atlas.level_tiles.size(); ++i) {
     const AtlasTile& tile = atlas.level_tiles[i];
-    block.level_tiles[i] = {float(tile.x), float(tile.y), float(tile.inner), float(atlas.level_roughness[i])};
+    block.level_tiles[i] = {float(tile.x), float(tile.y), float(tile.inner),
+                            float(level_coordinate(atlas.level_roughness[i]))};
   }
   block.level_count = gpu::uint(atlas.level_tiles.size());
   const AtlasTile& irradiance = atlas.irradiance_tile;

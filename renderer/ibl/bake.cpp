@@ -24,7 +24,8 @@ namespace {
 constexpr double kSharpBelow = 0.125;
 constexpr std::size_t kSmoothLevels = 3;  // the first ones above it carry the tails of the sharp ones
 constexpr int kBands = 512;
-constexpr int kFewestRows = 512;            // of the working map
+constexpr int kFewestRows = 512;  // of the working map
+constexpr int kCharlieRows = 192;
 constexpr double kCutOff = 3e-5;            // sufficient_bands of a level,
 constexpr double kIrradianceCutOff = 2e-5;  // and of the irradiance
 
@@ -60,6 +61,13 @@ std::vector<double> level_coefficients(double alpha, double cut_off) {
   return k;
 }
 
+// Wide, but with a kink at the horizon that is the sharper the lower the roughness.
+std::vector<double> charlie_coefficients(double alpha) {
+  std::vector<double> k = zonal_coefficients(CharlieKernel(alpha), std::numbers::pi, kBands);
+  k.resize(sufficient_bands(k, kCutOff));
+  return k;
+}
+
 std::array<double, 3> mean_radiance(const HarmonicCoefficients& coefficients) {
   const Lanes a00 = coefficients.order(0)[0];
   const double scale = 1 / std::sqrt(4 * std::numbers::pi);
@@ -70,7 +78,8 @@ std::array<double, 3> mean_radiance(const HarmonicCoefficients& coefficients) {
 
 std::shared_ptr<const BakedEnvironment> bake_environment(std::shared_ptr<const Image> radiance,
                                                          const ContentHash& source_hash, WorkerPool& pool,
-                                                         const Deadline& deadline) {
+                                                         const Deadline& deadline,
+                                                         const BakeSettings& settings) {
   const auto start = Clock::now();
   auto baked = std::make_shared<BakedEnvironment>();
   baked->source_hash = source_hash;
@@ -107,6 +116,16 @@ std::shared_ptr<const BakedEnvironment> bake_environment(std::shared_ptr<const I
     if (shared) smooth.push_back({GgxKernel(alpha), std::move(level_spectrum)});
   }
   baked->irradiance = baked->levels.back().equirect;  // at alpha = 1 GGX is Lambert's cosine
+
+  if (settings.charlie) {
+    for (const double roughness : charlie_level_roughness()) {
+      check_deadline(deadline, "environment: sheen level");
+      const std::vector<double> k = charlie_coefficients(roughness * roughness);
+      const int rows = std::min(kCharlieRows, map_rows);
+      const RowSpectrum level = synthesise(coefficients, table, k, rows, pool);
+      baked->charlie.push_back({roughness, equirect_of_spectrum(level, 2 * rows, pool)});
+    }
+  }
 
   check_deadline(deadline, "environment: sharp levels");
   std::vector<Image> sharp = convolve_sharp(spectrum, sharp_kernels, smooth, pool);

@@ -11,10 +11,20 @@ std::vector<double> ggx_level_roughness() {
           0.32, 0.365, 0.415, 0.47,  0.535, 0.605, 0.69,  0.79,  0.89,  1};
 }
 
+std::vector<double> charlie_level_roughness() {
+  return {0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1};
+}
+
 std::size_t BakedEnvironment::byte_size() const {
   std::size_t bytes = sizeof(*this) + irradiance.byte_size() + (radiance ? radiance->byte_size() : 0);
+  for (const BakedLevel& level : charlie) bytes += sizeof(level) + level.equirect.byte_size();
   for (const BakedLevel& level : levels) bytes += sizeof(level) + level.equirect.byte_size();
   return bytes;
+}
+
+double horizontal_illuminance_lux(const BakedEnvironment& baked) {
+  const std::array<float, 3> up = sample_equirect(baked.irradiance, 0, 1, 0);
+  return std::numbers::pi * (0.2126 * double(up[0]) + 0.7152 * double(up[1]) + 0.0722 * double(up[2]));
 }
 
 std::array<float, 3> sample_equirect(const Image& image, double x, double y, double z) {

@@ -23,6 +23,9 @@ inline constexpr int kBakeVersion = 1;
 // One function for baker, shader tables and cache keys. Strictly increasing, ends at 1.
 std::vector<double> ggx_level_roughness();
 
+// The same of the Charlie levels, for sheen. The first is the least that KHR_materials_sheen's renderers take.
+std::vector<double> charlie_level_roughness();
+
 // Between two levels maps are mixed linearly in this coordinate: by r^3 the tails of the kernels and the contrast they
 // leave are mixed with the least error up to r = 0.4, by something flatter above (fitted to measured errors).
 inline double level_coordinate(double perceptual_roughness) {
@@ -41,6 +44,7 @@ struct BakedEnvironment {
   ContentHash source_hash;
   std::shared_ptr<const Image> radiance;  // the HDRI itself, RGB kFloat32, 2:1
   std::vector<BakedLevel> levels;         // ggx_level_roughness() without the first
+  std::vector<BakedLevel> charlie;        // charlie_level_roughness(), when asked for
   Image irradiance;                       // RGB kFloat32 equirect: irradiance / pi
   std::array<double, 3> mean{};           // solid-angle weighted mean radiance, RGB
   double peak = 0;                        // largest sample of `radiance`
@@ -51,11 +55,20 @@ struct BakedEnvironment {
 
 class WorkerPool;
 
+struct BakeSettings {
+  bool charlie = false;  // bake the sheen levels too
+};
+
 // Spectral bake (the derivation stands in bake.cpp). `radiance`: RGB kFloat32 equirect 2:1, finite, >= 0.
 // The result does not depend on the number of threads. Errors: kDeadlineExceeded between steps. Threads: any.
 std::shared_ptr<const BakedEnvironment> bake_environment(std::shared_ptr<const Image> radiance,
                                                          const ContentHash& source_hash, WorkerPool& pool,
-                                                         const Deadline& deadline);
+                                                         const Deadline& deadline,
+                                                         const BakeSettings& settings = {});
+
+// Luminous flux on a horizontal plane, if the map's values are luminances in cd/m2: pi times the irradiance map at +Y, as
+// luminance of linear Rec. 709 (IEC 61966-2-1:1999).
+double horizontal_illuminance_lux(const BakedEnvironment& baked);
 
 // Radiance of an equirect RGB kFloat32 map in a unit direction: bilinear in (u, v), periodic in u; across a pole the
 // neighbour is the texel opposite (u + 0.5).

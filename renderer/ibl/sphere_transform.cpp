@@ -54,7 +54,8 @@ void analyse_orders(const RowSpectrum& spectrum, const LegendreTable& table,
     integrate_cells(padded.data() + std::size_t(m - first) * (rows + 6) + 3, rows, m, column.data());
     const LegendreOrder legendre(table, m, table.bands());
     for (std::size_t b = legendre.first_block(blocks) / 2 * 2; b < blocks.size(); b += 2) {
-      Lanes even[16], odd[16];
+      Lanes even[16] = {},
+            odd[16] = {};  // rows that only fill up a block count as 0, not as whatever was there
       for (int i = 0; i < 16; ++i) {
         const int j = static_cast<int>(b) * 8 + i, mirror = rows - 1 - j;
         if (j > mirror) break;

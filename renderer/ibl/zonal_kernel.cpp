@@ -38,6 +38,16 @@ double GgxKernel::operator()(double t) const {
   return scale_ * mu / (u * u);
 }
 
+CharlieKernel::CharlieKernel(double alpha)
+    : power_(0.5 / alpha), scale_((power_ + 1) * (power_ + 2) / (2 * kPi)) {
+  FURNACE_CHECK(alpha > 0 && alpha <= 1, "alpha {}", alpha);
+}
+
+double CharlieKernel::operator()(double t) const {
+  if (t >= 0.5) return 0;
+  return scale_ * std::pow(2 * t, power_) * (1 - 2 * t);
+}
+
 // Panels in theta that double from the peak outwards, each cut so that 32 nodes follow both the kernel and the half waves
 // of the fastest Legendre function.
 std::vector<double> zonal_coefficients(const std::function<double(double t)>& kernel, double width,

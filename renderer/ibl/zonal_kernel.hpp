@@ -30,6 +30,22 @@ class GgxKernel {
   double scale_ = 1;
 };
 
+// The prefilter of a sheen level: D_Charlie(half angle) * mu for mu > 0, with integral 1 over the sphere (Estevez and Kulla 2017,
+// "Production Friendly Microfacet Sheen BRDF"): D = (2 + 1/alpha) sin(half angle)^(1/alpha) / (2 pi), so with
+// t = (1 - mu) / 2 and p = 1 / (2 alpha)
+//   kernel = scale * (2 t)^p * (1 - 2 t),  scale = (p + 1) (p + 2) / (2 pi).
+// Threads: a value.
+class CharlieKernel {
+ public:
+  explicit CharlieKernel(double alpha);  // 0 < alpha <= 1
+
+  double operator()(double t) const;  // per steradian; 0 for t >= 1/2
+
+ private:
+  double power_ = 0.5;
+  double scale_ = 1;
+};
+
 // k_l = 2 pi * integral of kernel P_l over mu, for l < bands; k_0 = 1 for a kernel of integral 1. `kernel` takes
 // t = (1 - mu) / 2 in [0, 1/2]; `width` is the angle (rad) over which it varies near its peak.
 std::vector<double> zonal_coefficients(const std::function<double(double t)>& kernel, double width,

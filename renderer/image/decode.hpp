@@ -28,6 +28,8 @@ Image decode_texture(const Blob& encoded, ColorSpace color_space, const DecodeLi
 
 // What was mended in an HDRI before use; all zero for a clean file.
 struct RepairReport {
+  bool operator==(const RepairReport&) const = default;
+
   std::int64_t nan_samples = 0;
   std::int64_t infinite_samples = 0;
   std::int64_t negative_samples = 0;

@@ -1,11 +1,14 @@
 // A scene with everything decoded and baked: what the CPU side hands to the GL thread. Immutable values, no GL.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
 #include "renderer/base/content_hash.hpp"
 #include "renderer/ibl/octahedral_atlas.hpp"
+#include "renderer/ibl/suns.hpp"
+#include "renderer/image/decode.hpp"
 #include "renderer/scene/scene.hpp"
 
 namespace furnace {
@@ -22,12 +25,26 @@ struct PreparedTexture {
   float lowest_green = 0;  // [0, 1], of `pixels`: the lowest roughness in a metallic-roughness map
 };
 
+// What a bake found, for reports.
+struct EnvironmentSummary {
+  bool operator==(const EnvironmentSummary&) const = default;
+
+  Extent size;  // px, of the map
+  RepairReport repairs;
+  std::array<double, 3> mean{};  // solid-angle weighted radiance, linear Rec. 709
+  double peak = 0;
+  double horizontal_illuminance_lux = 0;  // if the map's values are luminances in cd/m2
+  double bake_ms = 0;                     // wall time of the bake; never in a picture
+  std::vector<Sun> suns;                  // found in the map; they are still in it
+};
+
 // One environment in the shape the GPU takes. Values are radiance * scale, the scale a power of two.
 struct PreparedEnvironment {
   ContentHash key;
   Image sky;  // RGBA kFloat16: the environment itself
   double sky_scale = 1;
   OctahedralAtlas atlas;
+  EnvironmentSummary summary;
 
   std::size_t byte_size() const { return sky.byte_size() + atlas.texels.byte_size(); }
 };

@@ -6,7 +6,7 @@ struct FrameBlock {
   mat4 environment_from_world;  // undoes the environment's rotation
   vec4 eye_world;               // xyz: m; w: 1 perspective, 0 orthographic
   vec4 towards_viewer_world;    // xyz: unit, used when orthographic
-  vec4 level_tiles[32];         // x, y of the first inner texel, inner side (px), perceptual roughness; rising roughness
+  vec4 level_tiles[32];         // x, y of the first inner texel, inner side (px), level_coordinate(); rising
   vec4 irradiance_tile;         // x, y, inner side (px), unused
   float atlas_texel_u;          // 1 / atlas width (px)
   float atlas_texel_v;          // 1 / atlas height (px)

@@ -7,6 +7,12 @@ vec2 equirect_from_direction(vec3 d) {
   return vec2(u, v);
 }
 
+// Prefiltered levels are mixed linearly in this. The same lines stand in renderer/ibl/baked_environment.hpp.
+float level_coordinate(float perceptual_roughness) {
+  float cube = perceptual_roughness * perceptual_roughness * perceptual_roughness;
+  return cube / (1.0 + 1.8 * cube);
+}
+
 // Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors".
 // The same lines stand in renderer/ibl/octahedral_atlas.cpp.
 vec2 octahedral_from_direction(vec3 d) {

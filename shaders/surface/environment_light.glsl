@@ -20,22 +20,23 @@ vec3 sample_sky(vec3 direction, float lod) {
 
 // Radiance around unit `direction` (environment frame), prefiltered for a perceptual roughness.
 vec3 prefiltered_radiance(vec3 direction, float perceptual_roughness) {
+  float at = level_coordinate(perceptual_roughness);
   // The last level at or below the roughness, by bisection.
   uint low = 0u;
   for (uint step = 16u; step > 0u; step >>= 1u) {
     uint probe = low + step;
-    if (probe < frame.level_count && frame.level_tiles[probe].w <= perceptual_roughness) low = probe;
+    if (probe < frame.level_count && frame.level_tiles[probe].w <= at) low = probe;
   }
   uint high = min(low + 1u, frame.level_count - 1u);
   vec4 tile_low = frame.level_tiles[low];
   vec4 tile_high = frame.level_tiles[high];
-  float t = clamp((perceptual_roughness - tile_low.w) / max(tile_high.w - tile_low.w, 1e-6), 0.0, 1.0);
+  float t = clamp((at - tile_low.w) / max(tile_high.w - tile_low.w, 1e-9), 0.0, 1.0);
   vec2 octahedral = octahedral_from_direction(direction);
   vec3 radiance = mix(sample_tile(tile_low, octahedral), sample_tile(tile_high, octahedral), t) * constants.irradiance_tile.w;
 #if FEATURE_SHARP_REFLECTION
   float first = frame.level_tiles[0].w;
-  if (perceptual_roughness < first) {
-    radiance = mix(sample_sky(direction, 0.0), radiance, max(perceptual_roughness, 0.0) / first);
+  if (at < first) {
+    radiance = mix(sample_sky(direction, 0.0), radiance, at / first);
   }
 #endif
   return radiance;

@@ -141,7 +141,7 @@ TEST_F(FrameUniformTest, GainsUndoTheStoredScale) {
   EXPECT_EQ(block.sky_gain, 12);
   EXPECT_EQ(block.atlas_gain, 6);
   EXPECT_EQ(block.level_count, 2u);
-  EXPECT_EQ(block.level_tiles[1], glm::vec4(5, 1, 2, 1));
+  EXPECT_EQ(block.level_tiles[1], glm::vec4(5, 1, 2, float(level_coordinate(1))));
 }
 
 }  // namespace

@@ -35,6 +35,14 @@ TEST_F(ShadersGlTest, ConstantsAreTheConstants) {
   EXPECT_EQ(c.z, float(1 / kPi));
 }
 
+TEST_F(ShadersGlTest, LevelCoordinateIsTheBakers) {
+  std::vector<glm::vec4> inputs;
+  for (int i = 0; i <= 100; ++i) inputs.emplace_back(float(i) / 100, 0, 0, 0);
+  const auto results = run("lib/sphere.glsl", "result.x = level_coordinate(x.x);", inputs);
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    EXPECT_NEAR(results[i].x, level_coordinate(double(inputs[i].x)), 1e-6);
+}
+
 TEST_F(ShadersGlTest, SrgbTransferMatchesTheStandard) {
   std::vector<glm::vec4> inputs;
   for (int i = 0; i <= 255; ++i) inputs.emplace_back(float(i) / 255, 0.0031308f, 0.0031309f, 0);

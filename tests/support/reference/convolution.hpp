@@ -46,15 +46,26 @@ inline double prefilter_kernel(double mu, double alpha) {
   return mu <= 0 ? 0 : d_ggx(std::sqrt(0.5 * (1 + mu)), alpha) * mu;
 }
 
+inline double d_charlie(double NoH, double alpha) {  // Estevez and Kulla 2017, equation 2
+  return (2 + 1 / alpha) * std::pow(1 - NoH * NoH, 0.5 / alpha) / (2 * std::numbers::pi);
+}
+
+// The same for sheen.
+inline double sheen_kernel(double mu, double alpha) {
+  return mu <= 0 ? 0 : d_charlie(std::sqrt(0.5 * (1 + mu)), alpha) * mu;
+}
+
+using Kernel = double (*)(double mu, double alpha);
+
 // Its integral over the sphere: midpoints in the logarithm of the angle, where the kernel is nowhere steep.
-inline double prefilter_integral(double alpha) {
+inline double prefilter_integral(double alpha, Kernel kernel = prefilter_kernel) {
   constexpr int kSteps = 20000;
   const double low = std::log(1e-5 * alpha), high = std::log(std::numbers::pi / 2),
                step = (high - low) / kSteps;
   double sum = 0;
   for (int k = 0; k < kSteps; ++k) {
     const double angle = std::exp(low + (k + 0.5) * step);
-    sum += prefilter_kernel(std::cos(angle), alpha) * std::sin(angle) * angle * step;
+    sum += kernel(std::cos(angle), alpha) * std::sin(angle) * angle * step;
   }
   return 2 * std::numbers::pi * sum;
 }
@@ -63,8 +74,9 @@ inline double prefilter_integral(double alpha) {
 // each cut as finely as the narrowest kernel asks for there, with 2 x 2 Gauss nodes in each part.
 class Prefilter {
  public:
-  Prefilter(const Image& map, std::vector<double> alphas) : map_(map), alphas_(std::move(alphas)) {
-    for (double alpha : alphas_) integrals_.push_back(prefilter_integral(alpha));
+  Prefilter(const Image& map, std::vector<double> alphas, Kernel kernel = prefilter_kernel)
+      : map_(map), alphas_(std::move(alphas)), kernel_(kernel) {
+    for (double alpha : alphas_) integrals_.push_back(prefilter_integral(alpha, kernel));
   }
 
   std::vector<Rgb> operator()(Direction d) const {
@@ -104,13 +116,14 @@ class Prefilter {
   }
   void add(const Rgb& value, double mu, double solid_angle, std::vector<Rgb>& sums) const {
     for (std::size_t k = 0; k < alphas_.size(); ++k) {
-      const double weight = solid_angle * prefilter_kernel(mu, alphas_[k]) / integrals_[k];
+      const double weight = solid_angle * kernel_(mu, alphas_[k]) / integrals_[k];
       for (int c = 0; c < 3; ++c) sums[k][c] += weight * value[c];
     }
   }
 
   const Image& map_;
   std::vector<double> alphas_, integrals_;
+  Kernel kernel_;
 };
 
 // What the shader reads from a tile: bilinear.

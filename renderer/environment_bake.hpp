@@ -1,0 +1,51 @@
+// A whole bake of one HDRI for its own sake: maps to look at, to score and to download.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "renderer/base/blob.hpp"
+#include "renderer/base/deadline.hpp"
+#include "renderer/base/worker_pool.hpp"
+#include "renderer/ibl/baked_environment.hpp"
+#include "renderer/ibl/suns.hpp"
+#include "renderer/image/decode.hpp"
+
+namespace furnace {
+
+enum class IrradianceMethod { kSpectral, kRiemann };
+enum class SunMode { kKeep, kExtract };
+
+struct EnvironmentBakeSettings {
+  IrradianceMethod irradiance = IrradianceMethod::kSpectral;
+  SunMode sun = SunMode::kKeep;
+  DecodeLimits limits{8192, 8192ll * 4096};
+};
+
+struct EnvironmentMap {
+  std::string name;                 // "irradiance", "ggx_00", "charlie_03", ...
+  std::string kernel;               // "cosine", "none", "ggx", "charlie"
+  double perceptual_roughness = 0;  // of "ggx" and "charlie"
+  const Image* equirect = nullptr;  // RGB kFloat32; lives with the bake
+};
+
+// Threads: immutable. Owns: its maps.
+struct EnvironmentBake {
+  Extent size;
+  RepairReport repairs;
+  std::vector<Sun> suns;        // found in the map
+  bool suns_extracted = false;  // the maps are those of the residual
+  std::shared_ptr<const BakedEnvironment> maps;
+  Image riemann_irradiance;  // of IrradianceMethod::kRiemann, else empty
+  double decode_ms = 0, bake_ms = 0;
+
+  // Irradiance, then the GGX levels from the environment itself on, then the Charlie levels.
+  std::vector<EnvironmentMap> list() const;
+};
+
+// Decodes and bakes. Errors: those of decode_environment; kDeadlineExceeded. Threads: any.
+EnvironmentBake bake_whole_environment(const Blob& encoded, const EnvironmentBakeSettings& settings,
+                                       WorkerPool& pool, const Deadline& deadline);
+
+}  // namespace furnace

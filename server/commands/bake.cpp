@@ -1,0 +1,102 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "renderer/base/file.hpp"
+#include "renderer/base/log.hpp"
+#include "renderer/environment_bake.hpp"
+#include "renderer/image/encode.hpp"
+#include "server/commands/commands.hpp"
+#include "server/environment_report.hpp"
+
+namespace furnace {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kMaxFileBytes = 4ll << 30;
+
+struct Arguments {
+  std::string input, folder;
+  std::string method = "spectral";
+  std::string sun = "keep";
+  int threads = 0;
+};
+
+void tell(const char* stage, const std::string& what) {
+  if (::isatty(STDERR_FILENO) == 1) {
+    fmt::print(stderr, "{}: {}\n", stage, what);
+  } else {
+    log::info(std::string("bake.") + stage, {{"what", what}});
+  }
+}
+
+Blob read_environment(const std::string& input) {
+  if (input == "-") return Blob(std::string(std::istreambuf_iterator<char>(std::cin), {}));
+  return Blob(read_file(input, kMaxFileBytes));
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code wrong;
+  fs::create_directories(folder, wrong);
+  if (wrong)
+    fail(ErrorCode::kStorage, fmt::format("cannot make the folder {}: {}", folder.string(), wrong.message()));
+}
+
+int bake(const Arguments& arguments) {
+  if (::isatty(STDERR_FILENO) == 1) log::set_level(log::Level::kWarning);
+  const fs::path folder = arguments.folder;
+  const Blob encoded = read_environment(arguments.input);
+  make_folder(folder);
+  EnvironmentBakeSettings settings;
+  if (arguments.method == "riemann") settings.irradiance = IrradianceMethod::kRiemann;
+  if (arguments.sun == "extract") settings.sun = SunMode::kExtract;
+  WorkerPool pool(arguments.threads > 0 ? arguments.threads
+                                        : int(std::max(1u, std::thread::hardware_concurrency())));
+  tell("begin", arguments.input);
+  const EnvironmentBake baked = bake_whole_environment(encoded, settings, pool, Deadline());
+  const api::EnvironmentReport report =
+      report_of(fs::path(arguments.input).filename().string(), encoded, baked);
+  tell("baked", fmt::format("{} x {} px in {:.1f} ms, {} maps", report.width, report.height, report.bake_ms,
+                            report.maps.size()));
+  // The report last: where it stands, every map stands.
+  for (const EnvironmentMap& map : baked.list()) {
+    const fs::path path = folder / (map.name + ".exr");
+    write_file_atomically(path.string(), encode_exr(*map.equirect, {}));
+    tell("written", path.string());
+  }
+  write_file_atomically((folder / "bake.json").string(), api::environment_report_json(report));
+  tell("done", (folder / "bake.json").string());
+  return kDone;
+}
+
+}  // namespace
+
+Command bake_command(CLI::App& root) {
+  CLI::App* command =
+      root.add_subcommand("bake", "Bakes an HDRI and writes every map as EXR, with bake.json");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("input", arguments->input, "ENVIRONMENT.hdr, ENVIRONMENT.exr, or - for standard input")
+      ->required();
+  command->add_option("-o,--output", arguments->folder, "folder for the maps; made when it is not there")
+      ->required();
+  command
+      ->add_option("--irradiance-method", arguments->method,
+                   "spectral, or riemann: sums over spherical triangles")
+      ->check(CLI::IsMember({"spectral", "riemann"}));
+  command
+      ->add_option("--sun", arguments->sun,
+                   "keep, or extract: maps of what is left without the suns that the report lists")
+      ->check(CLI::IsMember({"keep", "extract"}));
+  command->add_option("--threads", arguments->threads, "0: one a core")->check(CLI::Range(0, 1024));
+  return {command, [arguments] { return bake(*arguments); }};
+}
+
+}  // namespace furnace

@@ -1,0 +1,185 @@
+#!/usr/bin/env python3
+"""Environments by name, their maps, the disk cache: with real curl against the real binary."""
+import json
+import os
+import shutil
+import signal
+import struct
+import subprocess
+import tempfile
+import time
+import unittest
+
+import http_support as support
+from http_support import Case, Server, small
+
+
+def write_hdr(width, height, pixel):
+    """RGBE without run lengths; pixel(x, y) -> (r, g, b, e) bytes."""
+    rows = b"".join(bytes(pixel(x, y)) for y in range(height) for x in range(width))
+    return f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n".encode() + rows
+
+
+def sky(seed=0):
+    """Grey above, brown below, and a bright spot."""
+    return write_hdr(64, 32, lambda x, y: (200, 180, 160 + seed, 140) if (x, y) == (9, 9)
+                     else ((128, 128, 128, 128) if y < 16 else (90, 60, 40, 127)))
+
+
+class Named(Case):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.hdr = os.path.join(self.folder.name, "sky.hdr")
+        with open(self.hdr, "wb") as file:
+            file.write(sky())
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def put(self, server, name="lawn", path=None):
+        return server.curl(f"/v1/environments/{name}", "-X", "PUT", "--data-binary", f"@{path or self.hdr}")
+
+    def draw(self, server, name="lawn"):
+        return server.render({**small(), "environment": {"map": f"environment:{name}"}})
+
+    def test_put_get_list_draw_delete(self):
+        with Server() as server:
+            answer = self.put(server)
+            self.assertEqual(answer.status, 201, answer.body[:300])
+            report = json.loads(answer.body)
+            self.assertEqual((report["name"], report["width"], report["height"]), ("lawn", 64, 32))
+            self.assertEqual(report["cache"], "miss")
+            self.assertEqual(self.put(server).status, 200)
+            again = json.loads(server.curl("/v1/environments/lawn").body)
+            self.assertEqual(again["cache"], "hit")
+            self.assertEqual(again["mean"], report["mean"])
+            names = json.loads(server.curl("/v1/environments").body)["environments"]
+            self.assertEqual([entry["name"] for entry in names], ["lawn"])
+            drawn = self.draw(server)
+            self.expect_picture(drawn, 48, 32)
+            self.assertIn("bake;desc=hit", drawn.headers["server-timing"])
+            self.assertEqual(server.curl("/v1/environments/lawn", "-X", "DELETE").status, 204)
+            self.expect_problem(server.curl("/v1/environments/lawn"), 404)
+            self.expect_problem(self.draw(server), 404)
+
+    def test_maps_are_exr(self):
+        with Server() as server:
+            report = json.loads(self.put(server).body)
+            names = [entry["name"] for entry in report["maps"]]
+            self.assertIn("charlie_00", names)
+            for path in ("irradiance.exr", "background.exr", "ggx/0.exr", "ggx/7.exr", "charlie/2.exr"):
+                answer = server.curl(f"/v1/environments/lawn/{path}")
+                self.assertEqual(answer.status, 200, path)
+                self.assertEqual(struct.unpack("<I", answer.body[:4])[0], 20000630, path)
+            tag = server.curl("/v1/environments/lawn/irradiance.exr").headers["etag"]
+            self.assertEqual(server.curl("/v1/environments/lawn/irradiance.exr", "-H", f"If-None-Match: {tag}").status, 304)
+            for path in ("ggx/99.exr", "nothing.exr", "irradiance.png"):
+                self.expect_problem(server.curl(f"/v1/environments/lawn/{path}"), 404)
+
+    def test_what_is_refused(self):
+        with Server("--environments", "9KiB") as server:
+            self.expect_problem(self.put(server, "-bad"), 400)
+            self.expect_problem(server.curl("/v1/environments/x", "-X", "PUT"), 400)
+            self.expect_problem(server.curl("/v1/environments/x", "-X", "PUT", "--data-binary", "no picture"), 415)
+            self.expect_problem(server.curl("/v1/environments/x", "-X", "POST", "-d", "x"), 405)
+            self.assertEqual(self.put(server, "one").status, 201)
+            self.expect_problem(self.put(server, "two"), 413)
+            self.assertEqual(self.put(server, "one").status, 200)
+
+    def test_a_restart_bakes_nothing_again(self):
+        data = os.path.join(self.folder.name, "data")
+        with Server("--data", data) as server:
+            self.put(server)
+            first = self.draw(server)
+        with Server("--data", data) as server:
+            second = self.draw(server)
+        self.assertIn("bake;desc=disk", second.headers["server-timing"])
+        self.assertEqual(first.body, second.body)
+
+    def test_damaged_bakes_are_baked_again(self):
+        data = os.path.join(self.folder.name, "data")
+        with Server("--data", data) as server:
+            self.put(server)
+            first = self.draw(server)
+        for damage in (lambda content: content[:len(content) // 2], lambda content: b"", lambda content: b"x" + content[1:],
+                       lambda content: content[:-9] + bytes([content[-9] ^ 1]) + content[-8:]):
+            self.damage(data, damage)
+            with Server("--data", data) as server:
+                again = self.draw(server)
+            self.assertNotIn("bake;desc=disk", again.headers["server-timing"])
+            self.assertEqual(first.body, again.body)
+
+    def damage(self, data, change):
+        bakes = [path for path in support.files_below(data) if path.endswith(".exr")]
+        self.assertEqual(len(bakes), 1, bakes)
+        with open(bakes[0], "rb") as file:
+            content = file.read()
+        with open(bakes[0], "wb") as file:
+            file.write(change(content))
+
+    def test_a_data_folder_that_cannot_be_written(self):
+        blocked = os.path.join(self.folder.name, "blocked")
+        with open(blocked, "w"):
+            pass  # a file where the folder should be
+        with Server("--data", blocked) as server:
+            self.expect_picture(server.render(small()), 48, 32)
+            self.assertTrue(server.alive())
+
+    def test_killed_at_any_instant(self):
+        data = os.path.join(self.folder.name, "data")
+        for round_number in range(6):
+            path = os.path.join(self.folder.name, f"sky{round_number}.hdr")
+            with open(path, "wb") as file:
+                file.write(sky(round_number))
+            with Server("--data", data) as server:
+                client = support.curl_process(f"{server.url}/v1/environments/lawn", "-X", "PUT", "--data-binary", f"@{path}")
+                time.sleep(0.03 * round_number)
+                server.process.send_signal(signal.SIGKILL)
+                server.process.wait()
+                client.communicate()
+        with Server("--data", data) as server:
+            self.assertIn(self.put(server).status, (200, 201))
+            self.expect_picture(self.draw(server), 48, 32)
+        left = [path for path in support.files_below(os.path.join(data, "bakes")) if not path.endswith(".exr")]
+        self.assertEqual([path for path in left if "damaged" not in path], [])
+
+    def test_a_hundred_at_once_bake_once(self):
+        with Server("--queue", "128", "--seats", "4") as server:
+            body = json.dumps({**small(), "environment": {"map": "part:sky"}})
+            clients = [support.curl_process(f"{server.url}/v1/renders", "-F", f"request={body};type=application/json",
+                                            "-F", f"sky=@{self.hdr}") for _ in range(100)]
+            answers = [support.answer_of(client) for client in clients]
+            self.assertEqual({answer.status for answer in answers}, {200})
+            self.assertEqual(len({answer.body for answer in answers}), 1)
+            baked = [answer for answer in answers if "bake;dur" in answer.headers["server-timing"]]
+            # Those who waited for the bake say how long; only one decoded the file for it.
+            self.assertGreaterEqual(len(baked), 1)
+
+
+class CommandLine(unittest.TestCase):
+    def test_bake_writes_every_map(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "sky.hdr")
+            with open(path, "wb") as file:
+                file.write(sky())
+            out = os.path.join(folder, "maps")
+            for method in ("spectral", "riemann"):
+                subprocess.run([support.FURNACE, "bake", path, "-o", out, "--irradiance-method", method], check=True,
+                               stderr=subprocess.DEVNULL)
+                with open(os.path.join(out, "bake.json")) as file:
+                    report = json.load(file)
+                self.assertEqual(report["irradianceMethod"], method)
+                for entry in report["maps"]:
+                    self.assertTrue(os.path.getsize(os.path.join(out, entry["file"])) > 300, entry)
+                shutil.rmtree(out)
+
+    def test_failures(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run = lambda *arguments: subprocess.run([support.FURNACE, "bake", *arguments], capture_output=True).returncode
+            self.assertEqual(run(os.path.join(folder, "none.hdr"), "-o", folder), 1)
+            self.assertEqual(run("-o", folder), 2)
+            self.assertEqual(os.listdir(folder), [])
+
+
+if __name__ == "__main__":
+    support.main()
