@@ -67,6 +67,8 @@ vec3 lobe_direction(vec3 normal, vec3 to_viewer, float NoV, float lean_rad) {
   vec3 mirror = reflect(-to_viewer, normal);
   float sine = sqrt(max(1.0 - NoV * NoV, 0.0));
   // Spherical interpolation: (sin(theta - lean) mirror + sin(lean) normal) / sin(theta).
+  // Never past the normal: near it the table's interpolation would, in a dot at the middle of a sphere.
+  lean_rad = min(lean_rad, asin(min(sine, 1.0)));
   float lean_sine = sin(lean_rad);
   vec3 leant = (sine * cos(lean_rad) - NoV * lean_sine) * mirror + lean_sine * normal;
   return sine > 1e-3 ? normalize(leant) : mirror;
