@@ -23,7 +23,7 @@ double ms_since(Clock::time_point start) {
 
 // What came back from the GL thread: a picture, or the news that something must be done first.
 struct GlOutcome {
-  enum class Kind { kDone, kTextureEvicted, kContextLost } kind = Kind::kDone;
+  enum class Kind { kDone, kEvicted, kContextLost } kind = Kind::kDone;
   FrameResult frame;
   double queue_ms = 0, upload_ms = 0;
   bool upload_hit = false;
@@ -39,7 +39,7 @@ GlOutcome draw_on_gl_thread(RenderWorld& world, const RenderSpec& spec, const Pr
   const Clock::time_point upload_start = Clock::now();
   GpuScene scene;
   if (!make_gpu_scene(context, world.residency(), preparation.scene, view, scene)) {
-    outcome.kind = GlOutcome::Kind::kTextureEvicted;
+    outcome.kind = GlOutcome::Kind::kEvicted;
     return outcome;
   }
   outcome.upload_ms = ms_since(upload_start);
@@ -104,7 +104,7 @@ Renderer::Renderer(const RendererConfig& config, WorkerPool& pool)
   state_->gl_thread.call(Deadline(), [&](RenderWorld& world) {
     state_->limits = world.context().limits();
     state_->fingerprint.gl = world.context().renderer() + " / " + world.context().version();
-    state_->fingerprint.shaders = world.programs().library().hash().hex().substr(0, 12);
+    state_->fingerprint.shaders = world.programs().shaders().hash().hex().substr(0, 12);
   });
 }
 

@@ -61,9 +61,8 @@ SceneStore::SceneStore(const RendererConfig& config, WorkerPool& pool, std::shar
       imports_(config.scene_cache_bytes, [](const Scene& scene) { return std::int64_t(scene.byte_size()); }),
       compositions_(config.scene_cache_bytes,
                     [](const ComposedScene& scene) { return std::int64_t(scene.byte_size()); }),
-      environments_(
-          config.bake_cache_bytes,
-          [](const Environment& environment) { return std::int64_t(environment.prepared.byte_size()); }),
+      environments_(config.bake_cache_bytes,
+                    [](const StoredBake& bake) { return std::int64_t(bake.environment.byte_size()); }),
       bake_store_(config.data_folder.empty()
                       ? nullptr
                       : std::make_unique<BakeStore>(config.data_folder, config.disk_cache_bytes)) {}
@@ -89,6 +88,20 @@ std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, 
       &outcome);
   hit = outcome == CacheOutcome::kHit;
   return composed;
+}
+
+void SceneStore::prepare_meshes(Preparation& out) {
+  const std::vector<Mesh>& meshes = out.composed->scene.meshes;
+  out.scene.meshes.resize(meshes.size());
+  constexpr double kPackCostUs = 1'000;
+  pool_.parallel_for(meshes.size(), kPackCostUs, [&](std::size_t i) {
+    PreparedMesh& prepared = out.scene.meshes[i];
+    prepared.key = out.composed->mesh_keys[i];
+    // Shares the composition's life: the mesh is not copied.
+    prepared.mesh = std::shared_ptr<const Mesh>(out.composed, &meshes[i]);
+    if (!resident_->contains(prepared.key))
+      prepared.packed = std::make_shared<const PackedMesh>(pack_mesh(meshes[i]));
+  });
 }
 
 void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, std::vector<Note>& notes,
@@ -152,23 +165,22 @@ DecodedEnvironment SceneStore::decode(const EnvironmentSpec& spec) const {
   return {constant_environment(std::get<EnvironmentColor>(spec.map).radiance), {}};
 }
 
-SceneStore::Environment SceneStore::bake(const EnvironmentSpec& spec, const ContentHash& key,
-                                         const Deadline& deadline, StageTimes& times) {
+StoredBake SceneStore::bake(const EnvironmentSpec& spec, const ContentHash& key, const Deadline& deadline,
+                            StageTimes& times) {
   DecodedEnvironment decoded;
   {
     const Stopwatch watch(times.decode_ms);
     decoded = decode(spec);
   }
   const Stopwatch watch(times.bake_ms);
-  Environment made{prepare_environment(std::move(decoded.equirect), key, pool_, deadline),
-                   repair_notes(decoded.repairs)};
-  made.prepared.summary.repairs = decoded.repairs;
+  StoredBake made{prepare_environment(std::move(decoded.equirect), key, pool_, deadline),
+                  repair_notes(decoded.repairs)};
+  made.environment.summary.repairs = decoded.repairs;
   return made;
 }
 
-std::shared_ptr<const SceneStore::Environment> SceneStore::environment(const EnvironmentSpec& spec,
-                                                                       const Deadline& deadline,
-                                                                       StageTimes& times) {
+std::shared_ptr<const StoredBake> SceneStore::environment(const EnvironmentSpec& spec,
+                                                          const Deadline& deadline, StageTimes& times) {
   CacheOutcome outcome = CacheOutcome::kLoaded;
   const ContentHash key = environment_key(spec);
   // A constant colour is baked sooner than read.
@@ -180,15 +192,15 @@ std::shared_ptr<const SceneStore::Environment> SceneStore::environment(const Env
           const Stopwatch watch(times.bake_ms);
           if (std::optional<StoredBake> stored = store->load(key)) {
             times.bake_from_disk = true;
-            stored->environment.key = key;
-            return Environment{std::move(stored->environment), std::move(stored->notes)};
+            return *std::move(stored);
           }
         }
-        Environment made = bake(spec, key, deadline, times);
-        if (store != nullptr) store->save(key, {made.prepared, made.notes});
-        return made;
+        return bake(spec, key, deadline, times);
       },
       &outcome);
+  // Here, not in the load: those who wait for the bake need not wait for the disk.
+  if (store != nullptr && outcome == CacheOutcome::kLoaded && !times.bake_from_disk)
+    store->save(key, *environment);
   times.bake_hit = outcome == CacheOutcome::kHit || times.bake_from_disk;
   return environment;
 }
@@ -196,7 +208,7 @@ std::shared_ptr<const SceneStore::Environment> SceneStore::environment(const Env
 EnvironmentAnswer SceneStore::environment_summary(const EnvironmentSpec& spec, const Deadline& deadline) {
   StageTimes times;
   const auto found = environment(spec, deadline, times);
-  return {found->prepared.summary, times.bake_hit};
+  return {found->environment.summary, times.bake_hit};
 }
 
 Preparation SceneStore::prepare(const RenderSpec& spec, const Deadline& deadline, StageTimes& times) {
@@ -208,17 +220,13 @@ Preparation SceneStore::prepare(const RenderSpec& spec, const Deadline& deadline
     out.notes = scene.notes;
     out.scene.materials = scene.materials;
     out.scene.instances = scene.instances;
-    for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
-      // Shares the composition's life: the mesh is not copied.
-      out.scene.meshes.push_back(
-          {out.composed->mesh_keys[i], std::shared_ptr<const Mesh>(out.composed, &scene.meshes[i])});
-    }
+    prepare_meshes(out);
     check_deadline(deadline, "decode");
     prepare_textures(out.scene, scene, out.notes, times.decode_hit);
   }
   check_deadline(deadline, "bake");
   const auto environment = this->environment(spec.environment, deadline, times);
-  out.scene.environment = std::shared_ptr<const PreparedEnvironment>(environment, &environment->prepared);
+  out.scene.environment = std::shared_ptr<const PreparedEnvironment>(environment, &environment->environment);
   out.notes.insert(out.notes.end(), environment->notes.begin(), environment->notes.end());
   return out;
 }

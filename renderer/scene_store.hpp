@@ -31,26 +31,22 @@ class SceneStore {
   EnvironmentAnswer environment_summary(const EnvironmentSpec& spec, const Deadline& deadline);
 
  private:
-  struct Environment {
-    PreparedEnvironment prepared;
-    std::vector<Note> notes;
-  };
-
   std::shared_ptr<const ComposedScene> compose(const SceneSpec& spec, const Deadline& deadline, bool& hit);
+  void prepare_meshes(Preparation& out);
   void prepare_textures(PreparedScene& out, const Scene& scene, std::vector<Note>& notes, bool& hit);
   DecodedEnvironment decode(const EnvironmentSpec& spec) const;
-  Environment bake(const EnvironmentSpec& spec, const ContentHash& key, const Deadline& deadline,
-                   StageTimes& times);
+  StoredBake bake(const EnvironmentSpec& spec, const ContentHash& key, const Deadline& deadline,
+                  StageTimes& times);
   // From memory, from disk, or baked.
-  std::shared_ptr<const Environment> environment(const EnvironmentSpec& spec, const Deadline& deadline,
-                                                 StageTimes& times);
+  std::shared_ptr<const StoredBake> environment(const EnvironmentSpec& spec, const Deadline& deadline,
+                                                StageTimes& times);
 
   const RendererConfig config_;
   WorkerPool& pool_;
   std::shared_ptr<ResidentKeys> resident_;
   BudgetCache<Scene> imports_;
   BudgetCache<ComposedScene> compositions_;
-  BudgetCache<Environment> environments_;
+  BudgetCache<StoredBake> environments_;
   std::unique_ptr<BakeStore> bake_store_;  // null without a data folder
 };
 

@@ -77,8 +77,8 @@ api::Capabilities capabilities(const Config& config, const Renderer& renderer) {
 RegistryConfig registry_config(const Config& config) {
   RegistryConfig out;
   if (!config.data.empty()) out.folder = std::filesystem::path(config.data) / "environments";
-  out.max_bytes = config.environments_bytes;
-  out.maps_bytes = config.bake_cache_bytes;
+  out.files_bytes = config.environments_bytes;
+  out.maps_bytes = config.map_cache_bytes;
   return out;
 }
 
@@ -104,7 +104,7 @@ Engine::Engine(const Config& config, std::vector<std::filesystem::path> file_roo
       files(std::move(file_roots), config.file_cache_bytes, config.max_file_bytes),
       environments([this](const EnvironmentSpec& spec,
                           const Deadline& deadline) { return renderer.environment(spec, deadline); },
-                   pool_, registry_config(config)),
+                   admission, pool_, registry_config(config)),
       service(renderer, admission, pool_) {}
 
 Application::Application(const Config& config)

@@ -45,7 +45,7 @@ Reply json(int status, std::string text) {
 
 void refuse_map(const Place& place) {
   if (!place.map.empty())
-    fail(ErrorCode::kMethodNotAllowed, "Maps are made by the bake; they can only be read.");
+    fail(ErrorCode::kNotFound, "maps are made by the bake: put and delete the environment itself");
 }
 
 Reply get(EnvironmentRegistry& registry, const Request& request) {

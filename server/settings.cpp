@@ -92,6 +92,8 @@ constexpr std::array kSettings = {
            "parsed scenes kept in memory"),
     number("bake-cache", &Config::bake_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,
            "baked environments kept in memory"),
+    number("map-cache", &Config::map_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,
+           "maps of named environments kept in memory for download"),
     number("disk-cache", &Config::disk_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,
            "baked environments kept below --data"),
     number("environments", &Config::environments_bytes, Unit::kBytes, 0, 64 * kGiB,

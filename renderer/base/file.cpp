@@ -115,10 +115,15 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
   static std::atomic<unsigned> serial{0};
   const std::filesystem::path folder =
       path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-  TemporaryFile temporary{folder /
-                          fmt::format(".{}.{}.{}.tmp", path.filename().string(), ::getpid(), ++serial)};
-
-  Descriptor file(temporary.path, O_WRONLY | O_CREAT | O_EXCL);
+  // A name may be taken: by what a killed process left, or by a process with the same id in another container.
+  constexpr int kTries = 1000;
+  TemporaryFile temporary;
+  std::optional<Descriptor> opened;
+  for (int i = 0; i < kTries && (!opened || (!opened->is_open() && errno == EEXIST)); ++i) {
+    temporary.path = folder / fmt::format(".{}.{}.{}.tmp", path.filename().string(), ::getpid(), ++serial);
+    opened.emplace(temporary.path, O_WRONLY | O_CREAT | O_EXCL);
+  }
+  Descriptor& file = *opened;
   if (!file.is_open()) {
     const int error = errno;
     temporary.renamed = true;  // it is not ours

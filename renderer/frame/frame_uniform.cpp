@@ -99,7 +99,9 @@ gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const Prepar
   const double sky_texel_rad = 2 * kPi / environment.sky.extent.width;
   const double pixel_rad = 2 * glm::length(glm::dvec3(ray[1])) / plan.picture.height;
   block.sky_lod = float(std::log2(pixel_rad / sky_texel_rad));
-  block.pixel_rad = float(pixel_rad);
+  // A surface seen at 80 degrees from its normal changes so much in depth from sample to sample.
+  constexpr double kSlope = 6;
+  block.depth_tolerance = float(kSlope * pixel_rad);
   return block;
 }
 

@@ -64,12 +64,7 @@ void find_shares(const PassContext& pass, const Rect& rect) {
   state.depth = gl::DepthUse::kWrite;
   gl::begin_pass(pass.context, state);
   limit_to(rect);
-  const GLuint program =
-      pass.programs.request(pass.context, {"screen/fullscreen.vert", "visibility/shares.frag", 0});
-  // A surface seen at 80 degrees from its normal changes so much in depth from sample to sample.
-  constexpr float kSlope = 6;
-  glProgramUniform1f(program, 0, kSlope * pass.frame.pixel_rad);
-  glUseProgram(program);
+  bind_program(pass, "screen/fullscreen.vert", "visibility/shares.frag", 0);
   bind_texels(pass, 0, pass.targets.visibility.texels);
   bind_texels(pass, 1, pass.targets.visibility.depth);
   draw_viewport(pass);

@@ -10,18 +10,12 @@ void bind(const PassContext& pass, const Draw& draw) {
   bind_draw(pass, draw);
 }
 
-// A pixel wide, where the context draws lines of two samples.
-void set_line_width(const PassContext& pass) {
-  glLineWidth(std::min(2.f, pass.context.limits().max_line_width));
-}
-
 void draw_strokes(const PassContext& pass) {
   gl::PassState state = tile_state(pass, pass.targets.veil->framebuffer, Grid::kSamples);
   state.depth = gl::DepthUse::kTestAndWrite;
   state.clear_color = glm::vec4(0);
   gl::begin_pass(pass.context, state);
   bind_environment(pass);
-  set_line_width(pass);
   for (const Draw& draw : pass.scene.strokes) {
     bind(pass, draw);
     draw_mesh(draw, GL_NONE);
@@ -32,6 +26,8 @@ void draw_strokes(const PassContext& pass) {
 
 void pass_veil(const PassContext& pass) {
   if (!pass.veiled()) return;
+  // Lines a pixel wide, where the context draws them two samples wide.
+  glLineWidth(std::min(2.f, pass.context.limits().max_line_width));
   draw_strokes(pass);
   gl::PassState state = tile_state(pass, pass.targets.veil->framebuffer, Grid::kSamples);
   state.depth = gl::DepthUse::kTest;

@@ -29,7 +29,7 @@ class ProgramCache {
   GLuint request(Context&, const ProgramKey& key);
   // Between frames: when a shader file has changed, rebuilds every program; one that fails keeps its old form and is logged.
   void poll_sources(Context&);
-  ShaderLibrary& library() { return library_; }
+  ShaderLibrary& shaders() { return library_; }
 
  private:
   ShaderLibrary library_;

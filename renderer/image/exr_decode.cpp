@@ -1,9 +1,9 @@
 #include "renderer/image/codecs.hpp"
 #include "renderer/image/exr_claims.hpp"
+#include "renderer/image/exr_streams.hpp"
 #include "renderer/base/error.hpp"
 
 #include <OpenEXR/ImfFrameBuffer.h>
-#include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
 
@@ -18,29 +18,6 @@ namespace furnace {
 namespace {
 
 constexpr std::string_view kFormat = "OpenEXR file";
-
-class MemoryStream : public Imf::IStream {
- public:
-  explicit MemoryStream(std::span<const std::byte> file) : Imf::IStream("environment"), file_(file) {}
-
-  bool read(char out[], int size) override {
-    if (size < 0 || static_cast<std::uint64_t>(size) > file_.size() - position_) {
-      throw std::runtime_error("it ends before its last pixel");
-    }
-    std::memcpy(out, file_.data() + position_, static_cast<std::size_t>(size));
-    position_ += static_cast<std::size_t>(size);
-    return position_ < file_.size();
-  }
-  std::uint64_t tellg() override { return position_; }
-  void seekg(std::uint64_t position) override {
-    if (position > file_.size()) throw std::runtime_error("it points beyond its end");
-    position_ = position;
-  }
-
- private:
-  std::span<const std::byte> file_;
-  std::size_t position_ = 0;
-};
 
 struct Selection {
   int part = 0;
@@ -74,7 +51,7 @@ Selection select_part(const std::vector<ExrPart>& parts) {
 // window leaves out stays black.
 void read_pixels(std::span<const std::byte> file, const ExrPart& part, const Selection& selection,
                  Image& image) {
-  MemoryStream stream(file);
+  ExrSource stream(file);
   constexpr int kNoThreads = 0;
   constexpr bool kMendTable = false;
   Imf::MultiPartInputFile input(stream, kNoThreads, kMendTable);

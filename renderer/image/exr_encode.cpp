@@ -1,11 +1,11 @@
 #include "renderer/image/encode.hpp"
+#include "renderer/image/exr_streams.hpp"
 #include "renderer/base/check.hpp"
 #include "renderer/base/error.hpp"
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
-#include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStringAttribute.h>
 
@@ -13,32 +13,6 @@
 #include <string>
 
 namespace furnace {
-
-namespace {
-
-class MemoryStream : public Imf::OStream {
- public:
-  MemoryStream() : Imf::OStream("render") {}
-
-  void write(const char bytes[], int size) override {
-    const auto count = static_cast<std::size_t>(size);
-    if (position_ + count > bytes_.size()) bytes_.resize(position_ + count);
-    std::memcpy(bytes_.data() + position_, bytes, count);
-    position_ += count;
-  }
-  std::uint64_t tellp() override { return position_; }
-  void seekp(std::uint64_t position) override {
-    position_ = position;
-  }  // back, to fill in the table of chunks
-
-  std::string take() { return std::move(bytes_); }
-
- private:
-  std::string bytes_;
-  std::size_t position_ = 0;
-};
-
-}  // namespace
 
 std::string encode_exr(const Image& image, const std::vector<TextField>& metadata) {
   static constexpr const char* kNames[4][4] = {{"Y"}, {"Y", "A"}, {"R", "G", "B"}, {"R", "G", "B", "A"}};
@@ -64,7 +38,7 @@ std::string encode_exr(const Image& image, const std::vector<TextField>& metadat
     }
     for (const TextField& field : metadata) header.insert(field.key, Imf::StringAttribute(field.value));
 
-    MemoryStream stream;
+    ExrSink stream(image.byte_size());
     {
       constexpr int kNoThreads = 0;
       Imf::OutputFile file(stream, header, kNoThreads);

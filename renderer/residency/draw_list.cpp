@@ -109,6 +109,7 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
     const GpuMaterial& material = out.materials[std::size_t(instance.material)];
     Draw draw;
     draw.mesh = residency.mesh(mesh);
+    if (draw.mesh == nullptr) return false;
     draw.material = instance.material;
     draw.block = int(draw_blocks.size());
     draw.world_from_model = instance.world_from_model;

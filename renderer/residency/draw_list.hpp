@@ -42,7 +42,7 @@ struct GpuScene {
   const GpuEnvironment* environment = nullptr;
 };
 
-// Makes everything resident. False when a texture must be decoded first (evicted since it was looked up).
+// Makes everything resident. False when a mesh or texture must be prepared first (evicted since it was looked up).
 bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedScene& scene, const View& view,
                     GpuScene& out);
 

@@ -1,16 +1,13 @@
 #include "renderer/residency/gpu_mesh.hpp"
 
-#include <bit>
+#include <algorithm>
 
 #include <fmt/format.h>
 
 #include "renderer/base/error.hpp"
-#include "renderer/scene/mesh_patches.hpp"
 
 namespace furnace {
 namespace {
-
-using Row = glm::vec4;
 
 GLenum primitive_mode(Topology topology) {
   switch (topology) {
@@ -24,34 +21,15 @@ GLenum primitive_mode(Topology topology) {
   return GL_TRIANGLES;
 }
 
-template <class T>
-T value_at(const std::vector<T>& values, std::size_t i) {
-  return values.empty() ? T(0) : values[i];
-}
-
-// The number of a vertex's patch rides in the last component of its position's row, as bits.
-std::vector<Row> interleave(const Mesh& mesh, std::uint32_t rows) {
-  const std::vector<std::uint32_t> patches = mesh_patches(mesh);
-  std::vector<Row> vertices;
-  vertices.reserve(mesh.positions.size() * rows);
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    vertices.emplace_back(mesh.positions[i], std::bit_cast<float>(patches[i]));
-    vertices.emplace_back(value_at(mesh.normals, i), 0);
-    vertices.push_back(value_at(mesh.tangents, i));
-    vertices.emplace_back(value_at(mesh.uvs[0], i), value_at(mesh.uvs[1], i));
-    if (!mesh.colors.empty()) vertices.push_back(mesh.colors[i]);
-  }
-  return vertices;
-}
-
 // Locations of forward.vert and visibility.vert.
 void describe_attributes(const GpuMesh& mesh) {
   constexpr GLuint kPosition = 0, kNormal = 1, kTangent = 2, kUvs = 3, kColor = 5, kPatch = 6;
   const GLuint vao = mesh.vertex_array.id();
-  glVertexArrayVertexBuffer(vao, 0, mesh.vertices.id(), 0, GLsizei(mesh.vertex_rows * sizeof(Row)));
+  glVertexArrayVertexBuffer(vao, 0, mesh.vertices.id(), 0, GLsizei(mesh.vertex_rows * sizeof(glm::vec4)));
   const auto row = [&](GLuint location, GLint components, GLuint index) {
     glEnableVertexArrayAttrib(vao, location);
-    glVertexArrayAttribFormat(vao, location, components, GL_FLOAT, GL_FALSE, GLuint(index * sizeof(Row)));
+    glVertexArrayAttribFormat(vao, location, components, GL_FLOAT, GL_FALSE,
+                              GLuint(index * sizeof(glm::vec4)));
     glVertexArrayAttribBinding(vao, location, 0);
   };
   row(kPosition, 3, 0);
@@ -67,25 +45,20 @@ void describe_attributes(const GpuMesh& mesh) {
 
 }  // namespace
 
-GpuMesh upload_mesh(gl::Context& context, const Mesh& mesh) {
-  GpuMesh gpu;
-  gpu.vertex_rows = mesh.colors.empty() ? 4 : 5;
-  const std::size_t rows = mesh.positions.size() * gpu.vertex_rows;
+GpuMesh upload_mesh(gl::Context& context, const Mesh& mesh, const PackedMesh& packed) {
   const std::size_t limit = context.limits().max_buffer_texels;
-  if (std::max(rows, mesh.indices.size()) > limit) {
+  if (std::max(packed.rows.size(), mesh.indices.size()) > limit) {
     fail(ErrorCode::kTooLarge,
          fmt::format(
              "mesh \"{}\" has {} vertices and {} indices, more than this GPU can read at once; divide it",
              mesh.name, mesh.positions.size(), mesh.indices.size()));
   }
-  constexpr std::size_t kMostTriangles = 1u << 24;  // shaders/lib/visibility.glsl
-  if (mesh.topology == Topology::kTriangles && mesh.indices.size() / 3 > kMostTriangles) {
-    fail(ErrorCode::kTooLarge, fmt::format("mesh \"{}\" has {} triangles, more than {}; divide it", mesh.name,
-                                           mesh.indices.size() / 3, kMostTriangles));
-  }
-  const std::vector<Row> vertices = interleave(mesh, gpu.vertex_rows);
-  gpu.vertices = gl::create_buffer(context, vertices.data(), rows * sizeof(Row));
-  gpu.indices = gl::create_buffer(context, mesh.indices.data(), mesh.indices.size() * sizeof(std::uint32_t));
+  const std::size_t vertex_bytes = packed.rows.size() * sizeof(glm::vec4),
+                    index_bytes = mesh.indices.size() * sizeof(std::uint32_t);
+  GpuMesh gpu;
+  gpu.vertex_rows = packed.rows_per_vertex;
+  gpu.vertices = gl::create_buffer(context, packed.rows.data(), vertex_bytes);
+  gpu.indices = gl::create_buffer(context, mesh.indices.data(), index_bytes);
   gpu.vertex_texels = gl::create_buffer_texture(context, GL_RGBA32F, gpu.vertices);
   gpu.index_texels = gl::create_buffer_texture(context, GL_R32UI, gpu.indices);
   gpu.vertex_array = gl::create_vertex_array(context);
@@ -93,7 +66,7 @@ GpuMesh upload_mesh(gl::Context& context, const Mesh& mesh) {
   gpu.mode = primitive_mode(mesh.topology);
   gpu.index_count = GLsizei(mesh.indices.size());
   gpu.bounds = mesh.bounds;
-  gpu.bytes = rows * sizeof(Row) + mesh.indices.size() * sizeof(std::uint32_t);
+  gpu.bytes = vertex_bytes + index_bytes;
   return gpu;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "renderer/gl/gl.hpp"
+#include "renderer/residency/packed_mesh.hpp"
 #include "renderer/scene/scene.hpp"
 
 namespace furnace {
@@ -21,8 +22,8 @@ struct GpuMesh {
   std::size_t bytes = 0;
 };
 
-// Absent attributes read as glTF's neutral values: colour 1, everything else 0.
+// `packed`: of this mesh. An absent colour reads as 1.
 // Errors: kTooLarge when it has more vertices than the GPU can read.
-GpuMesh upload_mesh(gl::Context& context, const Mesh& mesh);
+GpuMesh upload_mesh(gl::Context& context, const Mesh& mesh, const PackedMesh& packed);
 
 }  // namespace furnace

@@ -9,6 +9,7 @@
 #include "renderer/ibl/octahedral_atlas.hpp"
 #include "renderer/ibl/suns.hpp"
 #include "renderer/image/decode.hpp"
+#include "renderer/residency/packed_mesh.hpp"
 #include "renderer/scene/scene.hpp"
 
 namespace furnace {
@@ -16,6 +17,8 @@ namespace furnace {
 struct PreparedMesh {
   ContentHash key;                   // of the mesh's source and place in it
   std::shared_ptr<const Mesh> mesh;  // shares its scene's life
+  // Null when it was resident on the GPU a moment ago, so nothing was packed.
+  std::shared_ptr<const PackedMesh> packed;
 };
 
 struct PreparedTexture {

@@ -68,8 +68,9 @@ void Residency::begin_frame() {
 
 const GpuMesh* Residency::mesh(const PreparedMesh& mesh) {
   if (const GpuMesh* known = meshes_.find(mesh.key, frame_)) return known;
+  if (mesh.packed == nullptr) return nullptr;
   uploaded_ = true;
-  return meshes_.insert(mesh.key, frame_, upload_mesh(context_, *mesh.mesh));
+  return meshes_.insert(mesh.key, frame_, upload_mesh(context_, *mesh.mesh, *mesh.packed));
 }
 
 const GpuTexture* Residency::texture(const PreparedTexture& texture) {

@@ -97,8 +97,8 @@ class Residency {
   // Starts a frame: evicts down to the budget; pointers handed out from here on live until the next call.
   void begin_frame();
 
+  // Null when it is neither resident nor packed, or decoded: the caller must prepare it and come again.
   const GpuMesh* mesh(const PreparedMesh& mesh);
-  // Null when the texture is neither resident nor decoded: the caller must decode and come again.
   const GpuTexture* texture(const PreparedTexture& texture);
   const GpuEnvironment* environment(const PreparedEnvironment& environment);
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iostream>
-#include <iterator>
 #include <memory>
 #include <thread>
 
@@ -38,11 +36,6 @@ void tell(const char* stage, const std::string& what) {
   }
 }
 
-Blob read_environment(const std::string& input) {
-  if (input == "-") return Blob(std::string(std::istreambuf_iterator<char>(std::cin), {}));
-  return Blob(read_file(input, kMaxFileBytes));
-}
-
 void make_folder(const fs::path& folder) {
   std::error_code wrong;
   fs::create_directories(folder, wrong);
@@ -53,7 +46,7 @@ void make_folder(const fs::path& folder) {
 int bake(const Arguments& arguments) {
   if (::isatty(STDERR_FILENO) == 1) log::set_level(log::Level::kWarning);
   const fs::path folder = arguments.folder;
-  const Blob encoded = read_environment(arguments.input);
+  const Blob encoded(read_input(arguments.input, kMaxFileBytes));
   make_folder(folder);
   EnvironmentBakeSettings settings;
   if (arguments.method == "riemann") settings.irradiance = IrradianceMethod::kRiemann;

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstdlib>
 
 #include <fmt/format.h>
@@ -53,6 +54,23 @@ LoadedConfig SettingOptions::load() const {
     for (const std::string& value : values) sources.flags.emplace_back(name, value);
   }
   return load_config(sources);
+}
+
+std::string read_input(const std::string& input, std::int64_t max_bytes) {
+  if (input != "-") return read_file(input, max_bytes);
+  std::string bytes;
+  constexpr std::size_t kStep = 1 << 20;
+  for (std::size_t got = kStep; got == kStep;) {
+    const std::size_t end = bytes.size();
+    bytes.resize(end + kStep);
+    got = std::fread(bytes.data() + end, 1, kStep, stdin);
+    bytes.resize(end + got);
+    if (std::int64_t(bytes.size()) > max_bytes) {
+      fail(ErrorCode::kTooLarge, fmt::format("standard input has more than the allowed {} bytes", max_bytes));
+    }
+  }
+  if (std::ferror(stdin) != 0) fail(ErrorCode::kStorage, "standard input cannot be read");
+  return bytes;
 }
 
 bool tell_problems(const LoadedConfig& loaded) {

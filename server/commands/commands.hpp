@@ -2,6 +2,7 @@
 // chosen.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -43,6 +44,9 @@ class SettingOptions {
   std::string config_file_;
   std::map<std::string, std::vector<std::string>> given_;
 };
+
+// The whole of a file, or of standard input for "-". Errors: those of read_file.
+std::string read_input(const std::string& input, std::int64_t max_bytes);
 
 // Prints all problems and warnings; returns whether the configuration can be used.
 bool tell_problems(const LoadedConfig& loaded);

@@ -2,8 +2,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <iostream>
-#include <iterator>
 #include <map>
 #include <memory>
 
@@ -61,11 +59,6 @@ bool on_terminal() {
   return ::isatty(STDERR_FILENO) == 1;
 }
 
-std::string read_input(const std::string& input, const Config& config) {
-  if (input != "-") return read_file(input, config.max_file_bytes);
-  return {std::istreambuf_iterator<char>(std::cin), {}};
-}
-
 bool is_model_name(const fs::path& path) {
   return path.extension() == ".glb" || path.extension() == ".gltf";
 }
@@ -99,7 +92,7 @@ Job make_job(const Arguments& arguments, const RenderOptions& options, Job job) 
     job.document_is_ours = true;
     return job;
   }
-  std::string content = read_input(arguments.input, arguments.config);
+  std::string content = read_input(arguments.input, arguments.config.max_file_bytes);
   if (content.starts_with(kGlbMagic)) {
     job.parts[kModelPart] = Blob(std::move(content));
     job.document = request_document(options, fmt::format("part:{}", kModelPart));

@@ -18,6 +18,6 @@ struct FrameBlock {
   float point_size_samples;
   float ndc_per_pixel_x;        // to the right
   float ndc_per_pixel_y;        // downwards: negative
-  float pixel_rad;              // a pixel's angle at the centre of the picture
+  float depth_tolerance;        // relative difference of depth within one surface and pixel
   float exposure;               // multiplier
 };

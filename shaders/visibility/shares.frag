@@ -1,12 +1,14 @@
 // Which of a pixel's four samples are shaded: one for each surface, since shading hardly varies over one surface within a
 // pixel (Ragan-Kelley et al. 2011, "Decoupled Sampling for Graphics Pipelines"). Selects layer 0 too, as select.frag does the
 // others.
+#include "interface/frame_block.glsl"
 #include "lib/visibility.glsl"
+
+layout(std140, binding = 0) uniform FrameUniform { FrameBlock frame; };
 
 layout(binding = 0) uniform usampler2D visibility_map;
 layout(binding = 1) uniform sampler2D depth_map;
 
-layout(location = 0) uniform float tolerance;  // relative difference of depth within one surface
 layout(location = 0) out uint out_shares;
 
 void main() {
@@ -23,7 +25,7 @@ void main() {
     for (uint j = i; j-- > 0u;) {
       // The same patch may come twice, one part of it before another.
       bool is_one = is_one_surface(uvec2(texel_x[i], texel_y[i]), uvec2(texel_x[j], texel_y[j]));
-      if (is_one && shaded_by(shares, j) == j && abs(depth[i] - depth[j]) <= tolerance * max(depth[i], depth[j])) by = j;
+      if (is_one && shaded_by(shares, j) == j && abs(depth[i] - depth[j]) <= frame.depth_tolerance * max(depth[i], depth[j])) by = j;
     }
     shares |= (texel_y[i] == 0u ? NO_SAMPLE : by) << 3u * i;
   }

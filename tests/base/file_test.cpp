@@ -2,6 +2,7 @@
 
 #include "renderer/base/error.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -102,6 +103,15 @@ TEST_F(FileTest, IdentityChangesWithTheFile) {
   EXPECT_EQ(file_identity(folder_ / "link"), first);
   write_file_atomically(folder_ / "x", "2");
   EXPECT_NE(file_identity(folder_ / "x"), first);
+}
+
+// What a killed process left, or another container's process of the same id.
+TEST_F(FileTest, PassesOverTemporaryNamesThatAreTaken) {
+  for (int serial = 1; serial <= 200; ++serial) {
+    std::ofstream(folder_ / fmt::format(".x.{}.{}.tmp", ::getpid(), serial));
+  }
+  write_file_atomically(folder_ / "x", "1");
+  EXPECT_EQ(read_file(folder_ / "x", 10), "1");
 }
 
 // A reader sees one whole version or another, never a mixture.

@@ -1,5 +1,4 @@
 // The bake of every HDRI in ../shared/data/environments: time, memory, and errors against sums in double precision.
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,12 +13,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "renderer/base/error.hpp"
 #include "renderer/base/file.hpp"
 #include "renderer/base/worker_pool.hpp"
 #include "renderer/ibl/baked_environment.hpp"
 #include "renderer/ibl/octahedral_atlas.hpp"
 #include "renderer/image/decode.hpp"
+#include "tests/bench/bench_main.hpp"
 #include "tests/support/reference/convolution.hpp"
 
 namespace furnace {
@@ -65,14 +64,11 @@ struct Errors {
 };
 
 void compare_levels(const BakedEnvironment& baked, Errors& errors) {
-  std::vector<double> alphas;
-  for (const BakedLevel& level : baked.levels)
-    alphas.push_back(level.perceptual_roughness * level.perceptual_roughness);
-  const reference::Prefilter judge(*baked.radiance, alphas);
   const Rgb mean = reference::mean_radiance(*baked.radiance);
   for (std::size_t l = 0; l < baked.levels.size(); ++l) {
     const BakedLevel& level = baked.levels[l];
-    const reference::Prefilter one(*baked.radiance, {alphas[l]});
+    const reference::Prefilter one(*baked.radiance,
+                                   {level.perceptual_roughness * level.perceptual_roughness});
     std::vector<Rgb> computed, expected;
     for (const Direction& d : reference::spread_directions(kDirections)) {
       const Extent size = level.equirect.extent;
@@ -165,10 +161,10 @@ Json bench_map(const fs::path& path, bool judge) {
   return row;
 }
 
-int run(int argc, char** argv) {
+Json run(const std::string&) {
   if (!fs::exists(kData)) {
     fmt::print("there is no {}: nothing to bake\n", kData.string());
-    return 0;
+    return Json::array();
   }
   // FURNACE_BENCH_JUDGE=0 leaves the errors out: they take minutes.
   const char* choice = std::getenv("FURNACE_BENCH_JUDGE");
@@ -187,23 +183,12 @@ int run(int argc, char** argv) {
   fmt::print("\nbars: 0.2 CPU s and 100 MB at 1024x512; errors 1e-2, 1e-3, 3e-2, 1e-2, 1e-4, 1e-3, -1e-4\n");
   Json rows = Json::array();
   for (const fs::path& path : paths) rows.push_back(bench_map(path, judge));
-  constexpr std::string_view kOut = "--benchmark_out=";  // as Google Benchmark's programs take it
-  for (int i = 1; i < argc; ++i) {
-    const std::string_view argument = argv[i];
-    if (argument.starts_with(kOut))
-      std::ofstream(std::string(argument.substr(kOut.size()))) << rows.dump(2) << "\n";
-  }
-  return 0;
+  return rows;
 }
 
 }  // namespace
 }  // namespace furnace
 
 int main(int argc, char** argv) {
-  try {
-    return furnace::run(argc, argv);
-  } catch (const furnace::Error& error) {
-    fmt::print(stderr, "{} {}\n", error.message, error.detail);
-    return 1;
-  }
+  return furnace::bench_main(argc, argv, furnace::run);
 }

@@ -16,6 +16,7 @@
 #include "renderer/base/error.hpp"
 #include "renderer/base/worker_pool.hpp"
 #include "server/render_service.hpp"
+#include "tests/bench/bench_main.hpp"
 
 namespace furnace {
 namespace {
@@ -168,7 +169,7 @@ nlohmann::json json_of(const std::vector<Row>& rows) {
   return list;
 }
 
-int run(int argc, char** argv) {
+nlohmann::json run(const std::string& self) {
   std::vector<Subject> subjects = {{"shader-ball", "", ""}};
   if (fs::exists(kData / "models")) {
     subjects.push_back(
@@ -186,7 +187,7 @@ int run(int argc, char** argv) {
 
   nlohmann::json report = {{"rows", json_of(rows)}, {"peakRssMb", peak_rss_mb()}};
   fmt::print("\npeak resident memory of all of the above: {:.0f} MB\n", peak_rss_mb());
-  const fs::path program = fs::path(argv[0]).parent_path() / ".." / "furnace";
+  const fs::path program = fs::path(self).parent_path() / ".." / "furnace";
   if (fs::exists(program)) {
     const std::string request =
         (fs::temp_directory_path() / fmt::format("furnace_bench_{}.json", getpid())).string();
@@ -196,23 +197,12 @@ int run(int argc, char** argv) {
     fmt::print("process start to the first 512 px PNG of a built-in scene: {:.0f} ms\n",
                report["firstPictureMs"].get<double>());
   }
-  constexpr std::string_view kOut = "--benchmark_out=";  // as Google Benchmark's programs take it
-  for (int i = 1; i < argc; ++i) {
-    const std::string_view argument = argv[i];
-    if (argument.starts_with(kOut))
-      std::ofstream(std::string(argument.substr(kOut.size()))) << report.dump(2) << "\n";
-  }
-  return 0;
+  return report;
 }
 
 }  // namespace
 }  // namespace furnace
 
 int main(int argc, char** argv) {
-  try {
-    return furnace::run(argc, argv);
-  } catch (const furnace::Error& error) {
-    fmt::print(stderr, "{} {}\n", error.message, error.detail);
-    return 1;
-  }
+  return furnace::bench_main(argc, argv, furnace::run);
 }

@@ -202,7 +202,7 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
                  FURNACE_MEMBER(FrameBlock, sky_gain), FURNACE_MEMBER(FrameBlock, level_count),
                  FURNACE_MEMBER(FrameBlock, sky_lod), FURNACE_MEMBER(FrameBlock, pixel_footprint),
                  FURNACE_MEMBER(FrameBlock, point_size_samples), FURNACE_MEMBER(FrameBlock, ndc_per_pixel_x),
-                 FURNACE_MEMBER(FrameBlock, ndc_per_pixel_y), FURNACE_MEMBER(FrameBlock, pixel_rad),
+                 FURNACE_MEMBER(FrameBlock, ndc_per_pixel_y), FURNACE_MEMBER(FrameBlock, depth_tolerance),
                  FURNACE_MEMBER(FrameBlock, exposure)},
                 sizeof(FrameBlock));
 }
