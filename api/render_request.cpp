@@ -290,8 +290,9 @@ class Reader {
       to.radius_m = kRadiusOfHeight * to.height_m;
       read(projection["radiusMetres"], to.radius_m);
       if (to.radius_m <= to.height_m)
-        faults_.add(ErrorCode::kUnprocessable, projection,
-                    fmt::format("radiusMetres ({}) must be larger than heightMetres ({})", to.radius_m, to.height_m));
+        faults_.add(
+            ErrorCode::kUnprocessable, projection,
+            fmt::format("radiusMetres ({}) must be larger than heightMetres ({})", to.radius_m, to.height_m));
     }
   }
 

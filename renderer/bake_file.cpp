@@ -225,7 +225,8 @@ StoredBake decode_bake(const ContentHash& key, std::string_view file) {
   read_texts(parts.attributes, key, bake);
   const auto claimed = parts.attributes.find(kChecksum);
   if (claimed == parts.attributes.end() ||
-      claimed->second != checksum_of(parts.attributes, bake.environment.sky.texels, bake.environment.atlas.texels)) {
+      claimed->second !=
+          checksum_of(parts.attributes, bake.environment.sky.texels, bake.environment.atlas.texels)) {
     fail_foreign("its checksum");
   }
   return bake;

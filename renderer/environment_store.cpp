@@ -68,8 +68,8 @@ DecodedEnvironment EnvironmentStore::decode(const EnvironmentMapSpec& map, const
   return {constant_environment(std::get<EnvironmentColor>(map).radiance), {}};
 }
 
-StoredBake EnvironmentStore::bake(const EnvironmentMapSpec& map, const ContentHash& key, const Deadline& deadline,
-                                  StageTimes& times) const {
+StoredBake EnvironmentStore::bake(const EnvironmentMapSpec& map, const ContentHash& key,
+                                  const Deadline& deadline, StageTimes& times) const {
   DecodedEnvironment decoded = decode(map, "/environment/map", times);
   const Stopwatch watch(times.bake_ms);
   StoredBake made{prepare_environment(std::move(decoded.equirect), key, pool_, deadline),
@@ -78,8 +78,8 @@ StoredBake EnvironmentStore::bake(const EnvironmentMapSpec& map, const ContentHa
   return made;
 }
 
-std::shared_ptr<const StoredBake> EnvironmentStore::baked(const EnvironmentMapSpec& map, const Deadline& deadline,
-                                                          StageTimes& times) {
+std::shared_ptr<const StoredBake> EnvironmentStore::baked(const EnvironmentMapSpec& map,
+                                                          const Deadline& deadline, StageTimes& times) {
   CacheOutcome outcome = CacheOutcome::kLoaded;
   const ContentHash key = map_key(map);
   // A constant colour is baked sooner than read.
@@ -104,8 +104,9 @@ std::shared_ptr<const StoredBake> EnvironmentStore::baked(const EnvironmentMapSp
   return environment;
 }
 
-std::shared_ptr<const PreparedSky> EnvironmentStore::background(const EnvironmentMapSpec& map, double blur_rad,
-                                                                const Deadline& deadline, StageTimes& times) {
+std::shared_ptr<const PreparedSky> EnvironmentStore::background(const EnvironmentMapSpec& map,
+                                                                double blur_rad, const Deadline& deadline,
+                                                                StageTimes& times) {
   const ContentHash key = HashBuilder().add("background").add(map_key(map)).add(blur_rad).finish();
   return backgrounds_.get_or_load(key, deadline, [&] {
     const Image radiance = decode(map, "/environment/background/map", times).equirect;

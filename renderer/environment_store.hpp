@@ -18,11 +18,12 @@ class EnvironmentStore {
 
   // From memory, from disk, or baked. Adds to decode_ms and bake_ms of `times`. Errors: those of decoding and baking, with the
   // pointer /environment/map.
-  std::shared_ptr<const StoredBake> baked(const EnvironmentMapSpec& map, const Deadline& deadline, StageTimes& times);
+  std::shared_ptr<const StoredBake> baked(const EnvironmentMapSpec& map, const Deadline& deadline,
+                                          StageTimes& times);
 
   // A map to be looked at only. Errors: the same, with the pointer /environment/background/map.
-  std::shared_ptr<const PreparedSky> background(const EnvironmentMapSpec& map, double blur_rad, const Deadline& deadline,
-                                                StageTimes& times);
+  std::shared_ptr<const PreparedSky> background(const EnvironmentMapSpec& map, double blur_rad,
+                                                const Deadline& deadline, StageTimes& times);
 
  private:
   DecodedEnvironment decode(const EnvironmentMapSpec& map, const char* pointer, StageTimes& times) const;

@@ -47,8 +47,7 @@ GlOutcome draw_on_gl_thread(RenderWorld& world, const RenderSpec& spec, const Pr
   outcome.upload_hit = !world.residency().uploaded();
 
   const FramePlan plan = plan_frame(spec, max_tile_px);
-  outcome.frame =
-      world.frames().render(world.residency(), plan, view, scene, preparation.scene, deadline);
+  outcome.frame = world.frames().render(world.residency(), plan, view, scene, preparation.scene, deadline);
   if (context.lost()) outcome.kind = GlOutcome::Kind::kContextLost;
   return outcome;
 }

@@ -167,11 +167,11 @@ void SceneStore::prepare_ground(const RenderSpec& spec, Preparation& out) {
     ground.shadow_key = key;
     if (!resident_->contains(key)) {
       auto light = ground_light(out.scene.environment->sky.texels, lights);
-      const glm::dmat3 world_from_environment(
-          glm::rotate(glm::dmat4(1), rotation_rad, glm::dvec3(0, 1, 0)));
+      const glm::dmat3 world_from_environment(glm::rotate(glm::dmat4(1), rotation_rad, glm::dvec3(0, 1, 0)));
       for (LightDirection& direction : light) {
         const glm::dvec3 turned =
-            world_from_environment * glm::dvec3(direction.towards[0], direction.towards[1], direction.towards[2]);
+            world_from_environment *
+            glm::dvec3(direction.towards[0], direction.towards[1], direction.towards[2]);
         direction.towards = {turned.x, turned.y, turned.z};
       }
       ground.light = std::make_shared<const std::vector<LightDirection>>(std::move(light));

@@ -34,7 +34,8 @@ class SceneStore {
   std::shared_ptr<const ComposedScene> compose(const SceneSpec& spec, const Deadline& deadline, bool& hit);
   void prepare_meshes(Preparation& out);
   void prepare_textures(PreparedScene& out, const Scene& scene, std::vector<Note>& notes, bool& hit);
-  void prepare_environment(const RenderSpec& spec, const Deadline& deadline, StageTimes& times, Preparation& out);
+  void prepare_environment(const RenderSpec& spec, const Deadline& deadline, StageTimes& times,
+                           Preparation& out);
   void prepare_ground(const RenderSpec& spec, Preparation& out);
 
   const RendererConfig config_;

@@ -35,7 +35,8 @@ struct PictureRays {
   glm::dmat3 direction{0};  // world, not normalised
 };
 
-PictureRays rays_through(const glm::dmat4& clip_from_view, const View& view, Extent picture, glm::vec2 jitter_px) {
+PictureRays rays_through(const glm::dmat4& clip_from_view, const View& view, Extent picture,
+                         glm::vec2 jitter_px) {
   const double shift_x = 2.0 * jitter_px.x / picture.width;
   const double shift_y = -2.0 * jitter_px.y / picture.height;
   const glm::dmat3 world_from_view = glm::transpose(glm::dmat3(view.view_from_world));

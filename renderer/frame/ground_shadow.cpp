@@ -34,7 +34,8 @@ double radical_inverse(std::uint32_t bits) {
   return result;
 }
 
-gpu::GroundBlock pack_ground(const PreparedGround& ground, const GroundRectangle& rectangle, std::size_t first) {
+gpu::GroundBlock pack_ground(const PreparedGround& ground, const GroundRectangle& rectangle,
+                             std::size_t first) {
   gpu::GroundBlock block{};
   const glm::dvec2 size = rectangle.high - rectangle.low, centre = (rectangle.low + rectangle.high) * 0.5;
   // Clip space points up, rows grow along +z.
@@ -45,14 +46,16 @@ gpu::GroundBlock pack_ground(const PreparedGround& ground, const GroundRectangle
   block.light_count = gpu::uint(count);
   for (std::size_t i = 0; i < count; ++i) {
     const LightDirection& light = (*ground.light)[first + i];
-    const double least_opacity = radical_inverse(std::uint32_t(first + i)) + 0.5 / double(ground.light->size());
+    const double least_opacity =
+        radical_inverse(std::uint32_t(first + i)) + 0.5 / double(ground.light->size());
     block.light[i] = glm::vec4(slope_of(light), least_opacity, 0);
     block.weight[i] = glm::vec4(light.weight[0], light.weight[1], light.weight[2], 0);
   }
   return block;
 }
 
-void cast(gl::Context& context, gl::ProgramCache& programs, const GpuScene& scene, const Draw& draw, GLsizei lights) {
+void cast(gl::Context& context, gl::ProgramCache& programs, const GpuScene& scene, const Draw& draw,
+          GLsizei lights) {
   if (draw.mesh->mode != GL_TRIANGLES) return;
   constexpr gl::FeatureSet kOpacity = gl::kFeatureAlphaMask | gl::kFeatureAlphaBlend;
   const bool opaque = (draw.features & kOpacity) == 0;
@@ -69,7 +72,8 @@ GroundRectangle ground_rectangle(const PreparedGround& ground) {
   const double height = std::max(high.y - ground.level_m, 0.0);
   std::vector<glm::dvec2> slopes;
   for (const LightDirection& light : *ground.light) slopes.push_back(slope_of(light));
-  std::sort(slopes.begin(), slopes.end(), [](const glm::dvec2& a, const glm::dvec2& b) { return glm::length(a) < glm::length(b); });
+  std::sort(slopes.begin(), slopes.end(),
+            [](const glm::dvec2& a, const glm::dvec2& b) { return glm::length(a) < glm::length(b); });
   slopes.resize(std::size_t(std::ceil(double(slopes.size()) * (1 - kFarLight))));
   GroundRectangle rectangle{{low.x, low.z}, {high.x, high.z}};
   for (glm::dvec2 slope : slopes) {

@@ -23,7 +23,8 @@ bool is_lone(const FramePlan& plan) {
 }
 
 glm::vec4 background_at(const PassContext& pass, int row) {
-  return glm::mix(pass.plan.background_top, pass.plan.background_bottom, float(row) / float(pass.plan.picture.height));
+  return glm::mix(pass.plan.background_top, pass.plan.background_bottom,
+                  float(row) / float(pass.plan.picture.height));
 }
 
 // `composes`: this pass is the first to read the sub-frame, so it puts veil and background to it.

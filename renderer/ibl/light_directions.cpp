@@ -25,7 +25,8 @@ std::vector<Color> row_of(const Image& map, int j) {
   std::vector<float> samples(halves.size());
   float_from_half(halves, samples);
   std::vector<Color> row;
-  for (std::size_t i = 0; i < samples.size(); i += 4) row.push_back({samples[i], samples[i + 1], samples[i + 2]});
+  for (std::size_t i = 0; i < samples.size(); i += 4)
+    row.push_back({samples[i], samples[i + 1], samples[i + 2]});
   return row;
 }
 
@@ -92,7 +93,8 @@ std::vector<LightDirection> ground_light(const Image& equirect, int count) {
       for (const Color& color : row.colors) light.push_back(color.luminance());
       row.cumulated = cumulate(std::move(light));
     }
-    const Place column = find(row.cumulated, quasi_random(k, 1 / (kPlastic * kPlastic)) * row.cumulated.back());
+    const Place column =
+        find(row.cumulated, quasi_random(k, 1 / (kPlastic * kPlastic)) * row.cumulated.back());
     const double theta = pi * (double(place.index) + place.within) / extent.height;
     const double phi = 2 * pi * ((double(column.index) + column.within) / extent.width - 0.5);
     const Color& color = row.colors[column.index];

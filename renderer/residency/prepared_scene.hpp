@@ -77,7 +77,7 @@ struct PreparedScene {
   std::vector<PreparedTexture> textures;
   std::vector<Instance> instances;
   std::shared_ptr<const PreparedEnvironment> environment;
-  std::shared_ptr<const PreparedSky> background;  // null where no environment is seen
+  std::shared_ptr<const PreparedSky> background;               // null where no environment is seen
   double environment_intensity = 1, background_intensity = 1;  // multipliers of the maps' radiance
   std::optional<PreparedGround> ground;
 };

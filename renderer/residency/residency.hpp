@@ -115,7 +115,9 @@ class Residency {
   const GpuTexture* sky(const PreparedSky& sky);
   const GpuEnvironment* environment(const PreparedEnvironment& environment);
   // Drawn, not uploaded: the frame makes what is not found.
-  const GpuGroundShadow* find_ground_shadow(const ContentHash& key) { return ground_shadows_.find(key, frame_); }
+  const GpuGroundShadow* find_ground_shadow(const ContentHash& key) {
+    return ground_shadows_.find(key, frame_);
+  }
   const GpuGroundShadow* keep_ground_shadow(const ContentHash& key, GpuGroundShadow shadow);
 
   GLuint neutral_texture() const { return neutral_.id(); }

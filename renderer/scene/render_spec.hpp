@@ -64,7 +64,7 @@ struct EnvironmentBackground {
   std::optional<EnvironmentMapSpec> map;  // none: the map that lights, at its intensity
   std::optional<double> rotation_rad;     // none: with the map that lights
   double intensity = 1;                   // multiplier, >= 0
-  double blur_rad = 0;  // standard deviation along each axis, [0, pi]: ibl/blur.hpp
+  double blur_rad = 0;                    // standard deviation along each axis, [0, pi]: ibl/blur.hpp
 };
 struct ColorBackground {
   glm::vec3 color{0};
@@ -86,8 +86,8 @@ struct GroundProjection {
 // A horizontal plane that shows nothing but what the scene keeps from it: shadows.
 struct GroundSpec {
   bool shadow = true;
-  double shadow_strength = 1;     // [0, 1]
-  std::optional<double> level_m;  // world y; none: the scene's lowest point
+  double shadow_strength = 1;                  // [0, 1]
+  std::optional<double> level_m;               // world y; none: the scene's lowest point
   std::optional<GroundProjection> projection;  // of the background
 };
 

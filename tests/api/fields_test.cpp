@@ -67,11 +67,15 @@ TEST(Fields, DefaultInTheSchemaIsWhatAbsenceMeans) {
 TEST(Fields, OnlyOptionalThingsHaveNoDefault) {
   for (const Leaf& leaf : schema_leaves()) {
     const bool stated = static_cast<bool>(leaf.declared["default"]);
-    const bool needs_none = leaf.path.starts_with("/scene/materials") || leaf.path == "/scene/model" ||
-                            leaf.path == "/scene/gltfScene" || leaf.path == "/scene/nodes/mesh" ||
-                            leaf.path == "/scene/nodes/material" || leaf.path == "/environment/map/color" ||
-                            leaf.path == "/camera/lookAt/eye" || leaf.path == "/camera/gltf" ||
-                            leaf.path == "/output/samples";
+    const bool needs_none =
+        leaf.path.starts_with("/scene/materials") || leaf.path == "/scene/model" ||
+        leaf.path == "/scene/gltfScene" || leaf.path == "/scene/nodes/mesh" ||
+        leaf.path == "/scene/nodes/material" || leaf.path.ends_with("/map/color") ||
+        leaf.path == "/environment/background/map" ||
+        leaf.path == "/environment/background/rotationDegrees" ||
+        leaf.path == "/environment/illuminanceLux" || leaf.path == "/environment/ground/levelMetres" ||
+        leaf.path == "/environment/ground/projection/radiusMetres" || leaf.path == "/camera/lookAt/eye" ||
+        leaf.path == "/camera/gltf" || leaf.path == "/output/samples";
     EXPECT_NE(stated, needs_none) << leaf.path;
   }
 }

@@ -189,7 +189,8 @@ class GroundGlTest : public ClosedFormGlTest {
   static RenderSpec plate_over_ground() {
     RenderSpec spec = spec_of("plane", {}, glm::vec3(1));  // 1 m x 1 m at y = 0
     spec.environment.background = TransparentBackground{};
-    spec.environment.ground = GroundSpec{.level_m = kLevel};
+    spec.environment.ground = GroundSpec{};
+    spec.environment.ground->level_m = kLevel;
     spec.camera.view = LookAtCamera{{3, -0.1f, 0}, {0, kLevel, 0}, {0, 1, 0}, 0.2};
     return spec;
   }
@@ -197,7 +198,8 @@ class GroundGlTest : public ClosedFormGlTest {
     EXPECT_EQ(film.image.channels, 4);
     const auto samples = film.image.samples<float>();
     double sum = 0;
-    for (const int at : {31 * 64 + 31, 31 * 64 + 32, 32 * 64 + 31, 32 * 64 + 32}) sum += samples[std::size_t(at) * 4 + 3];
+    for (const int at : {31 * 64 + 31, 31 * 64 + 32, 32 * 64 + 31, 32 * 64 + 32})
+      sum += samples[std::size_t(at) * 4 + 3];
     return sum / 4;
   }
 };

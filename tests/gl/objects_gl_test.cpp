@@ -172,7 +172,8 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
               "layout(std140, binding = 2) uniform MaterialUniform { MaterialBlock material; };\n"
               "layout(std140, binding = 3) uniform GroundUniform { GroundBlock ground; };\n"
               "layout(std430, binding = 4) buffer Out { float result; };\n"
-              "void main() { result = frame.point_size_samples + draw.handedness + material.metallic + ground.level; }\n");
+              "void main() { result = frame.point_size_samples + draw.handedness + material.metallic + "
+              "ground.level; }\n");
   const Program program = build_program(context_, library, {"layout.comp", "", 0});
   using gpu::DrawBlock;
   using gpu::FrameBlock;
@@ -202,19 +203,31 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
                  FURNACE_MEMBER(GroundBlock, weight)},
                 sizeof(GroundBlock));
   expect_layout(program.id(), "FrameUniform",
-                {FURNACE_MEMBER(FrameBlock, clip_from_world), FURNACE_MEMBER(FrameBlock, world_from_ray),
+                {FURNACE_MEMBER(FrameBlock, clip_from_world),
+                 FURNACE_MEMBER(FrameBlock, world_from_ray),
                  FURNACE_MEMBER(FrameBlock, environment_from_world),
-                 FURNACE_MEMBER(FrameBlock, background_from_world), FURNACE_MEMBER(FrameBlock, origin_from_ndc),
-                 FURNACE_MEMBER(FrameBlock, ground_from_ndc), FURNACE_MEMBER(FrameBlock, eye_world),
-                 FURNACE_MEMBER(FrameBlock, towards_viewer_world), FURNACE_MEMBER(FrameBlock, level_tiles),
-                 FURNACE_MEMBER(FrameBlock, irradiance_tile), FURNACE_MEMBER(FrameBlock, atlas_texel_u),
-                 FURNACE_MEMBER(FrameBlock, atlas_texel_v), FURNACE_MEMBER(FrameBlock, atlas_gain),
-                 FURNACE_MEMBER(FrameBlock, sky_gain), FURNACE_MEMBER(FrameBlock, level_count),
-                 FURNACE_MEMBER(FrameBlock, background_lod), FURNACE_MEMBER(FrameBlock, pixel_footprint),
-                 FURNACE_MEMBER(FrameBlock, point_size_samples), FURNACE_MEMBER(FrameBlock, ndc_per_pixel_x),
-                 FURNACE_MEMBER(FrameBlock, ndc_per_pixel_y), FURNACE_MEMBER(FrameBlock, depth_tolerance),
-                 FURNACE_MEMBER(FrameBlock, exposure), FURNACE_MEMBER(FrameBlock, background_gain),
-                 FURNACE_MEMBER(FrameBlock, shadow_strength), FURNACE_MEMBER(FrameBlock, dome_radius),
+                 FURNACE_MEMBER(FrameBlock, background_from_world),
+                 FURNACE_MEMBER(FrameBlock, origin_from_ndc),
+                 FURNACE_MEMBER(FrameBlock, ground_from_ndc),
+                 FURNACE_MEMBER(FrameBlock, eye_world),
+                 FURNACE_MEMBER(FrameBlock, towards_viewer_world),
+                 FURNACE_MEMBER(FrameBlock, level_tiles),
+                 FURNACE_MEMBER(FrameBlock, irradiance_tile),
+                 FURNACE_MEMBER(FrameBlock, atlas_texel_u),
+                 FURNACE_MEMBER(FrameBlock, atlas_texel_v),
+                 FURNACE_MEMBER(FrameBlock, atlas_gain),
+                 FURNACE_MEMBER(FrameBlock, sky_gain),
+                 FURNACE_MEMBER(FrameBlock, level_count),
+                 FURNACE_MEMBER(FrameBlock, background_lod),
+                 FURNACE_MEMBER(FrameBlock, pixel_footprint),
+                 FURNACE_MEMBER(FrameBlock, point_size_samples),
+                 FURNACE_MEMBER(FrameBlock, ndc_per_pixel_x),
+                 FURNACE_MEMBER(FrameBlock, ndc_per_pixel_y),
+                 FURNACE_MEMBER(FrameBlock, depth_tolerance),
+                 FURNACE_MEMBER(FrameBlock, exposure),
+                 FURNACE_MEMBER(FrameBlock, background_gain),
+                 FURNACE_MEMBER(FrameBlock, shadow_strength),
+                 FURNACE_MEMBER(FrameBlock, dome_radius),
                  FURNACE_MEMBER(FrameBlock, dome_height)},
                 sizeof(FrameBlock));
 }

@@ -128,10 +128,19 @@ const std::vector<Mutation> kMutations = {
     {"suns extracted", [](RenderSpec& s) { s.environment.sun = SunMode::kExtract; }},
     {"transparent background", [](RenderSpec& s) { s.environment.background = TransparentBackground{}; }},
     {"black background", [](RenderSpec& s) { s.environment.background = ColorBackground{}; }},
-    {"background color", [](RenderSpec& s) { s.environment.background = ColorBackground{{0, 1, 0}}; }},
+    {"background color",
+     [](RenderSpec& s) {
+       s.environment.background = ColorBackground{{0, 1, 0}};
+     }},
     {"gradient", [](RenderSpec& s) { s.environment.background = GradientBackground{}; }},
-    {"gradient's top", [](RenderSpec& s) { s.environment.background = GradientBackground{{0, 1, 0}, {}}; }},
-    {"gradient's bottom", [](RenderSpec& s) { s.environment.background = GradientBackground{{1, 1, 1}, {0, 1, 0}}; }},
+    {"gradient's top",
+     [](RenderSpec& s) {
+       s.environment.background = GradientBackground{{0, 1, 0}, {}};
+     }},
+    {"gradient's bottom",
+     [](RenderSpec& s) {
+       s.environment.background = GradientBackground{{1, 1, 1}, {0, 1, 0}};
+     }},
     {"background map", [](RenderSpec& s) { seen(s).map = BuiltinName{"studio"}; }},
     {"other background map", [](RenderSpec& s) { seen(s).map = BuiltinName{"sky"}; }},
     {"background rotation", [](RenderSpec& s) { seen(s).rotation_rad = 0; }},
