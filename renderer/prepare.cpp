@@ -119,7 +119,7 @@ PreparedEnvironment prepare_environment(Image radiance, const ContentHash& key, 
   out.summary.peak = baked->peak;
   out.summary.horizontal_illuminance_lux = horizontal_illuminance_lux(*baked);
   out.summary.bake_ms = baked->bake_ms;
-  out.summary.suns = extract_suns(*shared).suns;
+  out.summary.suns = find_suns(*shared, deadline);
   out.sky = prepare_sky(*shared, key, pool);
   return out;
 }
