@@ -8,6 +8,7 @@
 #include "renderer/base/error.hpp"
 #include "renderer/base/stopwatch.hpp"
 #include "renderer/residency/gpu_blocks.hpp"
+#include "renderer/scene/occluder.hpp"
 #include "renderer/prepare.hpp"
 
 namespace furnace {
@@ -203,6 +204,12 @@ void SceneStore::prepare_ground(const RenderSpec& spec, Preparation& out) {
     if (!resident_->contains(key)) {
       ground.light = std::make_shared<const std::vector<LightDirection>>(
           light_on_ground(out.scene, rotation_rad, lights));
+      const std::vector<Mesh>& meshes = out.composed->scene.meshes;
+      ground.occluders.resize(meshes.size());
+      constexpr double kSimplifyCostUs = 5'000;
+      pool_.parallel_for(meshes.size(), kSimplifyCostUs, [&](std::size_t i) {
+        if (meshes[i].topology == Topology::kTriangles) ground.occluders[i] = occluder_indices(meshes[i]);
+      });
     }
   }
   out.scene.ground = std::move(ground);

@@ -65,15 +65,38 @@ gpu::GroundBlock pack_ground(const PreparedGround& ground, const GroundRectangle
   return block;
 }
 
+// Triangles over the vertices of a mesh.
+struct Occluder {
+  gl::Buffer indices;
+  GLsizei count = 0;
+};
+
+// `occluder`: in place of the mesh's own triangles, where nothing but their place counts; may be null.
 void cast(gl::Context& context, gl::ProgramCache& programs, const GpuScene& scene, const Draw& draw,
-          GLsizei lights) {
-  if (draw.mesh->mode != GL_TRIANGLES) return;
+          const Occluder* occluder, GLsizei lights) {
   constexpr gl::FeatureSet kOpacity = gl::kFeatureAlphaMask | gl::kFeatureAlphaBlend;
   const bool opaque = (draw.features & kOpacity) == 0;
   const gl::FeatureSet features = opaque ? 0 : draw.features & (kOpacity | gl::kFeatureMaterialMaps);
   glUseProgram(programs.request(context, {"ground/cast.vert", "ground/cast.frag", features}));
   bind_draw(scene, draw);
-  draw_mesh(draw, GL_NONE, lights);
+  if (!opaque || occluder == nullptr) return draw_mesh(draw, GL_NONE, lights);
+  const GLuint vertex_array = draw.mesh->vertex_array.id();
+  glVertexArrayElementBuffer(vertex_array, occluder->indices.id());
+  glBindVertexArray(vertex_array);
+  glDrawElementsInstanced(GL_TRIANGLES, occluder->count, GL_UNSIGNED_INT, nullptr, lights);
+  glVertexArrayElementBuffer(vertex_array, draw.mesh->indices.id());
+}
+
+std::vector<Occluder> upload_occluders(gl::Context& context, const PreparedGround& ground) {
+  std::vector<Occluder> occluders;
+  for (const std::vector<std::uint32_t>& indices : ground.occluders) {
+    Occluder occluder;
+    occluder.count = GLsizei(indices.size());
+    if (!indices.empty())
+      occluder.indices = gl::create_buffer(context, indices.data(), indices.size() * sizeof(std::uint32_t));
+    occluders.push_back(std::move(occluder));
+  }
+  return occluders;
 }
 
 }  // namespace
@@ -113,6 +136,8 @@ GpuGroundShadow draw_ground_shadow(gl::Context& context, gl::ProgramCache& progr
   const gl::Texture lights = gl::create_texture(context, GL_RGBA32UI, extent, 1);
   const gl::Framebuffer collected = gl::create_framebuffer(context, lights, {});
 
+  const std::vector<Occluder> occluders = upload_occluders(context, ground);
+
   gl::PassState gather;
   gather.framebuffer = sum.id();
   gather.viewport = extent;
@@ -132,7 +157,10 @@ GpuGroundShadow draw_ground_shadow(gl::Context& context, gl::ProgramCache& progr
     for (const std::vector<Draw>* draws : {&scene.deferred, &scene.blended}) {
       for (const Draw& draw : *draws) {
         check_deadline(deadline, "ground shadow");
-        cast(context, programs, scene, draw, GLsizei(block.light_count));
+        if (draw.mesh->mode != GL_TRIANGLES) continue;
+        const Occluder& occluder = occluders[std::size_t(draw.source_mesh)];
+        cast(context, programs, scene, draw, occluder.count > 0 ? &occluder : nullptr,
+             GLsizei(block.light_count));
       }
     }
     gl::begin_pass(context, gather);

@@ -116,6 +116,7 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
     Draw draw;
     draw.mesh = residency.mesh(mesh);
     if (draw.mesh == nullptr) return false;
+    draw.source_mesh = instance.mesh;
     draw.material = instance.material;
     draw.block = int(draw_blocks.size());
     draw.world_from_model = instance.world_from_model;

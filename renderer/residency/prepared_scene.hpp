@@ -77,6 +77,8 @@ struct PreparedGround {
   std::optional<ContentHash> shadow_key;
   // What would light the plane without the scene, in world space. Null when the shadow was resident on the GPU a moment ago.
   std::shared_ptr<const std::vector<LightDirection>> light;
+  // With `light`: of every mesh of triangles, what casts its shadow where it is opaque (scene/occluder.hpp).
+  std::vector<std::vector<std::uint32_t>> occluders;
 };
 
 struct PreparedScene {
