@@ -37,6 +37,8 @@ ContentHash environment_key(const EnvironmentSpec& spec) {
     key.add("builtin").add(builtin->name);
   } else if (const auto* file = std::get_if<EnvironmentFile>(&spec.map)) {
     key.add("file").add(file->bytes.hash());
+  } else if (const auto* procedural = std::get_if<ProceduralEnvironment>(&spec.map)) {
+    key.add("procedural").add(procedural_hash(*procedural));
   } else {
     const glm::vec3 radiance = std::get<EnvironmentColor>(spec.map).radiance;
     key.add("color").add(double(radiance.r)).add(double(radiance.g)).add(double(radiance.b));
@@ -162,6 +164,8 @@ DecodedEnvironment SceneStore::decode(const EnvironmentSpec& spec) const {
       throw;
     }
   }
+  if (const auto* procedural = std::get_if<ProceduralEnvironment>(&spec.map))
+    return {paint_environment(*procedural), {}};
   return {constant_environment(std::get<EnvironmentColor>(spec.map).radiance), {}};
 }
 

@@ -15,6 +15,7 @@
 #include "renderer/image/image.hpp"
 #include "renderer/scene/gltf_import.hpp"
 #include "renderer/scene/material.hpp"
+#include "renderer/scene/procedural_environment.hpp"
 
 namespace furnace {
 
@@ -57,10 +58,13 @@ struct EnvironmentColor {
   glm::vec3 radiance{1};
 };
 
+using EnvironmentMapSpec =
+    std::variant<BuiltinName, EnvironmentFile, EnvironmentColor, ProceduralEnvironment>;
+
 enum class BackgroundKind { kEnvironment, kColor, kTransparent };
 
 struct EnvironmentSpec {
-  std::variant<BuiltinName, EnvironmentFile, EnvironmentColor> map = BuiltinName{"studio"};
+  EnvironmentMapSpec map = BuiltinName{"studio"};
   double rotation_rad = 0;  // about +Y, counter-clockwise seen from above: turns the environment as an object
   double intensity = 1;     // multiplier, >= 0
   BackgroundKind background = BackgroundKind::kEnvironment;
@@ -116,5 +120,7 @@ inline constexpr int kRenderSpecVersion = 1;
 // Hash of the canonical form: equal for two specs that describe the same picture, whatever JSON they came
 // from.
 ContentHash spec_hash(const RenderSpec& spec);
+// Of a part: equal for two descriptions of the same environment.
+ContentHash procedural_hash(const ProceduralEnvironment& environment);
 
 }  // namespace furnace
