@@ -79,6 +79,8 @@ double haze_phase(double cos_angle) {
 // --- Tables
 // ---------------------------------------------------------------------------------------------------------
 
+// Against tables and steps two to five times as fine the sky differs by 1 % by day, up to 2 % in haze and 4 % at
+// the end of twilight (RMS), under what the models of the air leave open.
 constexpr int kColumnHeights = 65, kColumnSlopes = 65;
 constexpr int kManyHeights = 16, kManyAngles = 13;
 // Rays from the ground leave the atmosphere within 10.1 degrees of arc.
