@@ -146,11 +146,56 @@ class Reader {
     if (const Value map = value["map"]) read_map(map, spec.map);
     read_degrees(value["rotationDegrees"], spec.rotation_rad);
     read(value["intensity"], spec.intensity);
-    static constexpr Choice<BackgroundKind> kKinds[] = {{"environment", BackgroundKind::kEnvironment},
-                                                        {"color", BackgroundKind::kColor},
-                                                        {"transparent", BackgroundKind::kTransparent}};
-    read_choice(value["background"]["type"], kKinds, spec.background);
-    read(value["background"]["color"], spec.background_color);
+    read(value["illuminanceLux"], spec.illuminance_lux);
+    static constexpr Choice<SunMode> kSuns[] = {
+        {"auto", SunMode::kAuto}, {"keep", SunMode::kKeep}, {"extract", SunMode::kExtract}};
+    read_choice(value["sun"], kSuns, spec.sun);
+    read_background(value["background"], spec.background);
+    if (const Value ground = value["ground"]) read_ground(ground, spec.ground.emplace());
+    if (const Value projection = value["ground"]["projection"];
+        projection && !std::holds_alternative<EnvironmentBackground>(spec.background))
+      faults_.add(ErrorCode::kUnprocessable, projection,
+                  "projects the environment, which this background does not show; leave it out");
+  }
+
+  void read_background(const Value& value, BackgroundSpec& spec) {
+    const Value type = value["type"];
+    const std::string_view kind = type ? type.text() : "environment";
+    if (kind == "environment") {
+      auto& background = spec.emplace<EnvironmentBackground>();
+      if (const Value map = value["map"]) read_map(map, background.map.emplace());
+      if (const Value rotation = value["rotationDegrees"])
+        read_degrees(rotation, background.rotation_rad.emplace());
+      read(value["intensity"], background.intensity);
+      read_degrees(value["blurDegrees"], background.blur_rad);
+    } else if (kind == "color") {
+      read(value["color"], spec.emplace<ColorBackground>().color);
+    } else if (kind == "gradient") {
+      auto& gradient = spec.emplace<GradientBackground>();
+      read(value["top"], gradient.top);
+      read(value["bottom"], gradient.bottom);
+    } else {
+      FURNACE_CHECK(kind == "transparent", "{} is not handled", kind);
+      spec.emplace<TransparentBackground>();
+    }
+  }
+
+  void read_ground(const Value& value, GroundSpec& spec) {
+    read(value["shadow"], spec.shadow);
+    read(value["shadowStrength"], spec.shadow_strength);
+    read(value["levelMetres"], spec.level_m);
+    if (const Value projection = value["projection"]) {
+      auto& to = spec.projection.emplace();
+      read(projection["heightMetres"], to.height_m);
+      // So near that the horizon lies a little low, so far that the floor reaches well round the scene.
+      constexpr double kRadiusOfHeight = 12;
+      to.radius_m = kRadiusOfHeight * to.height_m;
+      read(projection["radiusMetres"], to.radius_m);
+      if (to.radius_m <= to.height_m)
+        faults_.add(
+            ErrorCode::kUnprocessable, projection,
+            fmt::format("radiusMetres ({}) must be larger than heightMetres ({})", to.radius_m, to.height_m));
+    }
   }
 
   void read_map(const Value& map, EnvironmentMapSpec& spec) {

@@ -120,7 +120,7 @@ Texts texts_of(const ContentHash& key, const StoredBake& bake) {
       {"furnace.layout", fmt::format("{}", kBakeFileLayout)},
       {"furnace.bakeVersion", fmt::format("{}", kBakeVersion)},
       {"furnace.key", key.hex()},
-      {"furnace.skyScale", fmt::format("{}", environment.sky_scale)},
+      {"furnace.skyScale", fmt::format("{}", environment.sky.scale)},
       {"furnace.atlasScale", fmt::format("{}", atlas.scale)},
       {"furnace.levelRoughness", text_of(atlas.level_roughness)},
       {"furnace.levelTiles", text_of(numbers_of(atlas.level_tiles))},
@@ -169,7 +169,8 @@ void read_texts(const Texts& texts, const ContentHash& key, StoredBake& bake) {
   };
   if (text("furnace.key") != key.hex()) fail_foreign("another bake's key");
   environment.key = key;
-  environment.sky_scale = scale_of(texts, "furnace.skyScale");
+  environment.sky.key = key;
+  environment.sky.scale = scale_of(texts, "furnace.skyScale");
   atlas.scale = scale_of(texts, "furnace.atlasScale");
   atlas.level_roughness = numbers_of<double>(texts, "furnace.levelRoughness");
   atlas.level_tiles = tiles_of(texts, "furnace.levelTiles", atlas.texels.extent);
@@ -203,7 +204,7 @@ std::string checksum_of(const Texts& texts, const Image& sky, const Image& atlas
 }  // namespace
 
 std::string encode_bake(const ContentHash& key, const StoredBake& bake) {
-  const Image& sky = bake.environment.sky;
+  const Image& sky = bake.environment.sky.texels;
   const Image& atlas = bake.environment.atlas.texels;
   Texts texts = texts_of(key, bake);
   texts.emplace(kChecksum, checksum_of(texts, sky, atlas));
@@ -219,12 +220,13 @@ StoredBake decode_bake(const ContentHash& key, std::string_view file) {
     fail_foreign("its parts are not sky and atlas");
   }
   StoredBake bake;
-  bake.environment.sky = std::move(sky->second);
+  bake.environment.sky.texels = std::move(sky->second);
   bake.environment.atlas.texels = std::move(atlas->second);
   read_texts(parts.attributes, key, bake);
   const auto claimed = parts.attributes.find(kChecksum);
   if (claimed == parts.attributes.end() ||
-      claimed->second != checksum_of(parts.attributes, bake.environment.sky, bake.environment.atlas.texels)) {
+      claimed->second !=
+          checksum_of(parts.attributes, bake.environment.sky.texels, bake.environment.atlas.texels)) {
     fail_foreign("its checksum");
   }
   return bake;

@@ -11,15 +11,15 @@
 #include "renderer/ibl/baked_environment.hpp"
 #include "renderer/ibl/suns.hpp"
 #include "renderer/image/decode.hpp"
+#include "renderer/scene/render_spec.hpp"
 
 namespace furnace {
 
 enum class IrradianceMethod { kSpectral, kRiemann };
-enum class SunMode { kKeep, kExtract };
 
 struct EnvironmentBakeSettings {
   IrradianceMethod irradiance = IrradianceMethod::kSpectral;
-  SunMode sun = SunMode::kKeep;
+  SunMode sun = SunMode::kKeep;  // kAuto is kKeep
   DecodeLimits limits{8192, 8192ll * 4096};
 };
 

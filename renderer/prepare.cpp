@@ -88,6 +88,25 @@ PreparedPixels prepare_texture(const Blob& encoded, ColorSpace color_space, cons
   }
 }
 
+PreparedSky prepare_sky(const Image& radiance, const ContentHash& key, WorkerPool& pool) {
+  const auto source = radiance.samples<float>();
+  PreparedSky sky;
+  sky.key = key;
+  sky.texels = make_image(radiance.extent, 4, SampleType::kFloat16, ColorSpace::kLinear);
+  sky.scale = half_scale(double(*std::max_element(source.begin(), source.end())));
+  const auto target = sky.texels.samples<std::uint16_t>();
+  const auto width = std::size_t(radiance.extent.width);
+  const auto scale = float(sky.scale);
+  constexpr double kRowCostUs = 20;
+  pool.parallel_for(std::size_t(radiance.extent.height), kRowCostUs, [&](std::size_t y) {
+    for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
+      for (std::size_t c = 0; c < 3; ++c) target[i * 4 + c] = half_from_float(source[i * 3 + c] * scale);
+      target[i * 4 + 3] = 0x3c00;  // 1.0
+    }
+  });
+  return sky;
+}
+
 PreparedEnvironment prepare_environment(Image radiance, const ContentHash& key, WorkerPool& pool,
                                         const Deadline& deadline) {
   PreparedEnvironment out;
@@ -100,21 +119,8 @@ PreparedEnvironment prepare_environment(Image radiance, const ContentHash& key, 
   out.summary.peak = baked->peak;
   out.summary.horizontal_illuminance_lux = horizontal_illuminance_lux(*baked);
   out.summary.bake_ms = baked->bake_ms;
-  out.summary.suns = extract_suns(*shared).suns;
-
-  out.sky = make_image(shared->extent, 4, SampleType::kFloat16, ColorSpace::kLinear);
-  out.sky_scale = half_scale(baked->peak);
-  const auto source = shared->samples<float>();
-  const auto target = out.sky.samples<std::uint16_t>();
-  const auto width = std::size_t(shared->extent.width);
-  const auto scale = float(out.sky_scale);
-  constexpr double kRowCostUs = 20;
-  pool.parallel_for(std::size_t(shared->extent.height), kRowCostUs, [&](std::size_t y) {
-    for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
-      for (std::size_t c = 0; c < 3; ++c) target[i * 4 + c] = half_from_float(source[i * 3 + c] * scale);
-      target[i * 4 + 3] = 0x3c00;  // 1.0
-    }
-  });
+  out.summary.suns = find_suns(*shared, deadline);
+  out.sky = prepare_sky(*shared, key, pool);
   return out;
 }
 

@@ -20,6 +20,9 @@ struct PreparedPixels {
 PreparedPixels prepare_texture(const Blob& encoded, ColorSpace color_space, const std::string& pointer,
                                const DecodeLimits& limits);
 
+// `radiance`: RGB kFloat32 equirect.
+PreparedSky prepare_sky(const Image& radiance, const ContentHash& key, WorkerPool& pool);
+
 // Bakes `radiance` (RGB kFloat32 equirect) and converts it to half floats with its own power-of-two scale.
 PreparedEnvironment prepare_environment(Image radiance, const ContentHash& key, WorkerPool& pool,
                                         const Deadline& deadline);

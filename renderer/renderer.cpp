@@ -42,12 +42,12 @@ GlOutcome draw_on_gl_thread(RenderWorld& world, const RenderSpec& spec, const Pr
     outcome.kind = GlOutcome::Kind::kEvicted;
     return outcome;
   }
+  world.frames().provide_ground_shadow(world.residency(), preparation.scene, scene, deadline);
   outcome.upload_ms = ms_since(upload_start);
   outcome.upload_hit = !world.residency().uploaded();
 
   const FramePlan plan = plan_frame(spec, max_tile_px);
-  outcome.frame =
-      world.frames().render(world.residency(), plan, view, scene, *preparation.scene.environment, deadline);
+  outcome.frame = world.frames().render(world.residency(), plan, view, scene, preparation.scene, deadline);
   if (context.lost()) outcome.kind = GlOutcome::Kind::kContextLost;
   return outcome;
 }
@@ -139,7 +139,7 @@ Film Renderer::render(const RenderSpec& spec, const Deadline& deadline) {
   film.times.upload_hit = outcome.upload_hit;
   film.times.draw_ms = outcome.frame.draw_ms;
   film.times.readback_ms = outcome.frame.readback_ms;
-  const bool opaque = spec.environment.background != BackgroundKind::kTransparent;
+  const bool opaque = !std::holds_alternative<TransparentBackground>(spec.environment.background);
   film.image = opaque ? drop_alpha(outcome.frame.pixels) : std::move(outcome.frame.pixels);
   return film;
 }

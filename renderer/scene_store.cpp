@@ -1,57 +1,20 @@
 #include "renderer/scene_store.hpp"
 
-#include <chrono>
-#include <cmath>
+#include <algorithm>
 #include <map>
 
-#include <fmt/format.h>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "renderer/base/error.hpp"
+#include "renderer/base/stopwatch.hpp"
 #include "renderer/residency/gpu_blocks.hpp"
-#include "renderer/scene/procedural.hpp"
 #include "renderer/prepare.hpp"
 
 namespace furnace {
 namespace {
 
-class Stopwatch {
- public:
-  explicit Stopwatch(double& total_ms) : total_ms_(total_ms) {}
-  ~Stopwatch() { total_ms_ += std::chrono::duration<double, std::milli>(Clock::now() - start_).count(); }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  double& total_ms_;
-  Clock::time_point start_ = Clock::now();
-};
-
 ColorSpace slot_color_space(gpu::Slot slot) {
   return slot == gpu::kBaseColor || slot == gpu::kEmissive ? ColorSpace::kSrgb : ColorSpace::kNonColor;
-}
-
-ContentHash environment_key(const EnvironmentSpec& spec) {
-  HashBuilder key;
-  key.add("environment").add(std::int64_t(kBakeVersion));
-  if (const auto* builtin = std::get_if<BuiltinName>(&spec.map)) {
-    key.add("builtin").add(builtin->name);
-  } else if (const auto* file = std::get_if<EnvironmentFile>(&spec.map)) {
-    key.add("file").add(file->bytes.hash());
-  } else if (const auto* procedural = std::get_if<ProceduralEnvironment>(&spec.map)) {
-    key.add("procedural").add(procedural_hash(*procedural));
-  } else {
-    const glm::vec3 radiance = std::get<EnvironmentColor>(spec.map).radiance;
-    key.add("color").add(double(radiance.r)).add(double(radiance.g)).add(double(radiance.b));
-  }
-  return key.finish();
-}
-
-std::vector<Note> repair_notes(const RepairReport& repairs) {
-  const std::int64_t count = repairs.nan_samples + repairs.infinite_samples + repairs.negative_samples;
-  if (count == 0) return {};
-  return {{"environment-repaired", "/environment/map",
-           fmt::format("the environment had {} NaN, {} infinite and {} negative samples, which were replaced",
-                       repairs.nan_samples, repairs.infinite_samples, repairs.negative_samples)}};
 }
 
 }  // namespace
@@ -63,11 +26,7 @@ SceneStore::SceneStore(const RendererConfig& config, WorkerPool& pool, std::shar
       imports_(config.scene_cache_bytes, [](const Scene& scene) { return std::int64_t(scene.byte_size()); }),
       compositions_(config.scene_cache_bytes,
                     [](const ComposedScene& scene) { return std::int64_t(scene.byte_size()); }),
-      environments_(config.bake_cache_bytes,
-                    [](const StoredBake& bake) { return std::int64_t(bake.environment.byte_size()); }),
-      bake_store_(config.data_folder.empty()
-                      ? nullptr
-                      : std::make_unique<BakeStore>(config.data_folder, config.disk_cache_bytes)) {}
+      environments_(config, pool) {}
 
 std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, const Deadline& deadline,
                                                          bool& hit) {
@@ -147,72 +106,78 @@ void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, std::v
   for (const PreparedTexture& texture : out.textures) hit = hit && texture.pixels == nullptr;
 }
 
-DecodedEnvironment SceneStore::decode(const EnvironmentSpec& spec) const {
-  if (const auto* builtin = std::get_if<BuiltinName>(&spec.map)) {
-    auto image = builtin_environment(builtin->name);
-    if (!image) {
-      fail(ErrorCode::kUnprocessable, fmt::format("there is no built-in environment \"{}\"", builtin->name),
-           "/environment/map");
-    }
-    return {*std::move(image), {}};
-  }
-  if (const auto* file = std::get_if<EnvironmentFile>(&spec.map)) {
-    try {
-      return decode_environment(file->bytes, config_.environment);
-    } catch (Error& error) {
-      error.pointer = "/environment/map";
-      throw;
-    }
-  }
-  if (const auto* procedural = std::get_if<ProceduralEnvironment>(&spec.map))
-    return {paint_environment(*procedural), {}};
-  return {constant_environment(std::get<EnvironmentColor>(spec.map).radiance), {}};
-}
-
-StoredBake SceneStore::bake(const EnvironmentSpec& spec, const ContentHash& key, const Deadline& deadline,
-                            StageTimes& times) {
-  DecodedEnvironment decoded;
-  {
-    const Stopwatch watch(times.decode_ms);
-    decoded = decode(spec);
-  }
-  const Stopwatch watch(times.bake_ms);
-  StoredBake made{prepare_environment(std::move(decoded.equirect), key, pool_, deadline),
-                  repair_notes(decoded.repairs)};
-  made.environment.summary.repairs = decoded.repairs;
-  return made;
-}
-
-std::shared_ptr<const StoredBake> SceneStore::environment(const EnvironmentSpec& spec,
-                                                          const Deadline& deadline, StageTimes& times) {
-  CacheOutcome outcome = CacheOutcome::kLoaded;
-  const ContentHash key = environment_key(spec);
-  // A constant colour is baked sooner than read.
-  BakeStore* store = std::holds_alternative<EnvironmentColor>(spec.map) ? nullptr : bake_store_.get();
-  auto environment = environments_.get_or_load(
-      key, deadline,
-      [&] {
-        if (store != nullptr) {
-          const Stopwatch watch(times.bake_ms);
-          if (std::optional<StoredBake> stored = store->load(key)) {
-            times.bake_from_disk = true;
-            return *std::move(stored);
-          }
-        }
-        return bake(spec, key, deadline, times);
-      },
-      &outcome);
-  // Here, not in the load: those who wait for the bake need not wait for the disk.
-  if (store != nullptr && outcome == CacheOutcome::kLoaded && !times.bake_from_disk)
-    store->save(key, *environment);
-  times.bake_hit = outcome == CacheOutcome::kHit || times.bake_from_disk;
-  return environment;
-}
-
 EnvironmentAnswer SceneStore::environment_summary(const EnvironmentSpec& spec, const Deadline& deadline) {
   StageTimes times;
-  const auto found = environment(spec, deadline, times);
+  const auto found = environments_.baked(spec.map, deadline, times);
   return {found->environment.summary, times.bake_hit};
+}
+
+void SceneStore::prepare_environment(const RenderSpec& spec, const Deadline& deadline, StageTimes& times,
+                                     Preparation& out) {
+  const EnvironmentSpec& wanted = spec.environment;
+  const auto baked = environments_.baked(wanted.map, deadline, times);
+  out.notes.insert(out.notes.end(), baked->notes.begin(), baked->notes.end());
+  const PreparedEnvironment& environment = baked->environment;
+  PreparedScene& scene = out.scene;
+  scene.environment = std::shared_ptr<const PreparedEnvironment>(baked, &environment);
+  scene.environment_intensity = wanted.intensity;
+  if (wanted.illuminance_lux) {
+    const double lux = environment.summary.horizontal_illuminance_lux;
+    if (!(lux > 0)) {
+      fail(ErrorCode::kUnprocessable,
+           "the environment lets no light fall on a horizontal plane, so nothing scales it to an illuminance",
+           "/environment/illuminanceLux");
+    }
+    scene.environment_intensity *= *wanted.illuminance_lux / lux;
+  }
+
+  if (const auto* seen = std::get_if<EnvironmentBackground>(&wanted.background)) {
+    scene.background_intensity = seen->intensity;
+    if (!seen->map) scene.background_intensity *= scene.environment_intensity;
+    if (!seen->map && seen->blur_rad == 0) {
+      scene.background = std::shared_ptr<const PreparedSky>(baked, &environment.sky);
+    } else {
+      scene.background =
+          environments_.background(seen->map.value_or(wanted.map), seen->blur_rad, deadline, times);
+    }
+  }
+  if (wanted.ground) prepare_ground(spec, out);
+}
+
+void SceneStore::prepare_ground(const RenderSpec& spec, Preparation& out) {
+  const GroundSpec& wanted = *spec.environment.ground;
+  PreparedGround ground;
+  ground.bounds = world_bounds(out.composed->scene);
+  if (ground.bounds.empty()) ground.bounds = {glm::vec3(-0.5f), glm::vec3(0.5f)};  // as it is framed
+  ground.level_m = wanted.level_m.value_or(double(ground.bounds.min.y));
+  if (wanted.shadow) {
+    // Sub-frames of finer pictures are worth finer penumbrae.
+    const int lights = std::clamp(128 * spec.output.samples / 4, 128, 1024);
+    const double rotation_rad = spec.environment.rotation_rad;
+    RenderSpec scene_only;
+    scene_only.scene = spec.scene;
+    const ContentHash key = HashBuilder()
+                                .add("ground")
+                                .add(spec_hash(scene_only))
+                                .add(out.scene.environment->key)
+                                .add(rotation_rad)
+                                .add(ground.level_m)
+                                .add(std::int64_t(lights))
+                                .finish();
+    ground.shadow_key = key;
+    if (!resident_->contains(key)) {
+      auto light = ground_light(out.scene.environment->sky.texels, lights);
+      const glm::dmat3 world_from_environment(glm::rotate(glm::dmat4(1), rotation_rad, glm::dvec3(0, 1, 0)));
+      for (LightDirection& direction : light) {
+        const glm::dvec3 turned =
+            world_from_environment *
+            glm::dvec3(direction.towards[0], direction.towards[1], direction.towards[2]);
+        direction.towards = {turned.x, turned.y, turned.z};
+      }
+      ground.light = std::make_shared<const std::vector<LightDirection>>(std::move(light));
+    }
+  }
+  out.scene.ground = std::move(ground);
 }
 
 Preparation SceneStore::prepare(const RenderSpec& spec, const Deadline& deadline, StageTimes& times) {
@@ -229,9 +194,7 @@ Preparation SceneStore::prepare(const RenderSpec& spec, const Deadline& deadline
     prepare_textures(out.scene, scene, out.notes, times.decode_hit);
   }
   check_deadline(deadline, "bake");
-  const auto environment = this->environment(spec.environment, deadline, times);
-  out.scene.environment = std::shared_ptr<const PreparedEnvironment>(environment, &environment->environment);
-  out.notes.insert(out.notes.end(), environment->notes.begin(), environment->notes.end());
+  prepare_environment(spec, deadline, times, out);
   return out;
 }
 

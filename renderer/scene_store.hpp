@@ -5,8 +5,8 @@
 
 #include "renderer/base/budget_cache.hpp"
 #include "renderer/base/worker_pool.hpp"
-#include "renderer/bake_store.hpp"
 #include "renderer/compose.hpp"
+#include "renderer/environment_store.hpp"
 #include "renderer/renderer.hpp"
 #include "renderer/residency/residency.hpp"
 
@@ -18,7 +18,7 @@ struct Preparation {
   std::vector<Note> notes;
 };
 
-// Threads: any. Owns: the caches of parsed scenes and prepared environments.
+// Threads: any. Owns: the caches of parsed and composed scenes, and the environments.
 class SceneStore {
  public:
   SceneStore(const RendererConfig& config, WorkerPool& pool, std::shared_ptr<ResidentKeys> resident);
@@ -34,20 +34,16 @@ class SceneStore {
   std::shared_ptr<const ComposedScene> compose(const SceneSpec& spec, const Deadline& deadline, bool& hit);
   void prepare_meshes(Preparation& out);
   void prepare_textures(PreparedScene& out, const Scene& scene, std::vector<Note>& notes, bool& hit);
-  DecodedEnvironment decode(const EnvironmentSpec& spec) const;
-  StoredBake bake(const EnvironmentSpec& spec, const ContentHash& key, const Deadline& deadline,
-                  StageTimes& times);
-  // From memory, from disk, or baked.
-  std::shared_ptr<const StoredBake> environment(const EnvironmentSpec& spec, const Deadline& deadline,
-                                                StageTimes& times);
+  void prepare_environment(const RenderSpec& spec, const Deadline& deadline, StageTimes& times,
+                           Preparation& out);
+  void prepare_ground(const RenderSpec& spec, Preparation& out);
 
   const RendererConfig config_;
   WorkerPool& pool_;
   std::shared_ptr<ResidentKeys> resident_;
   BudgetCache<Scene> imports_;
   BudgetCache<ComposedScene> compositions_;
-  BudgetCache<StoredBake> environments_;
-  std::unique_ptr<BakeStore> bake_store_;  // null without a data folder
+  EnvironmentStore environments_;
 };
 
 }  // namespace furnace

@@ -51,8 +51,8 @@ Image random_halves(Extent extent, unsigned seed) {
 StoredBake make_bake(int number, Extent sky = {32, 16}, Extent atlas = {40, 52}) {
   StoredBake bake;
   bake.environment.key = key_of(number);
-  bake.environment.sky = random_halves(sky, unsigned(number));
-  bake.environment.sky_scale = 0x1p-17;
+  bake.environment.sky.texels = random_halves(sky, unsigned(number));
+  bake.environment.sky.scale = 0x1p-17;
   bake.environment.atlas.texels = random_halves(atlas, unsigned(number) + 1000);
   bake.environment.atlas.scale = 0x1p-9 * (number + 1);
   bake.environment.atlas.level_roughness = {0.1, 1.0 / 3, 1};
@@ -87,7 +87,7 @@ bool same(const std::vector<T>& a, const std::vector<T>& b) {
 
 bool same(const StoredBake& a, const StoredBake& b) {
   const PreparedEnvironment &x = a.environment, &y = b.environment;
-  return x.key == y.key && members(x.sky) == members(y.sky) && x.sky_scale == y.sky_scale &&
+  return x.key == y.key && members(x.sky.texels) == members(y.sky.texels) && x.sky.scale == y.sky.scale &&
          members(x.atlas.texels) == members(y.atlas.texels) && x.atlas.scale == y.atlas.scale &&
          x.atlas.level_roughness == y.atlas.level_roughness &&
          same(x.atlas.level_tiles, y.atlas.level_tiles) &&

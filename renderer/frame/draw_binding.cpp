@@ -4,11 +4,13 @@ namespace furnace {
 namespace {
 
 constexpr GLuint kDrawBinding = 1, kMaterialBinding = 2;
-constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kDfgUnit = 7;
+constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kDfgUnit = 7, kGroundUnit = 13;
 constexpr GLuint kColorLocation = 5;
 
 constexpr SamplerDesc kSkySampler{Wrap::kRepeat, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
                                   MipFilter::kLinear};
+constexpr SamplerDesc kGroundSampler{Wrap::kClampToEdge, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
+                                     MipFilter::kLinear};
 constexpr SamplerDesc kTableSampler{Wrap::kClampToEdge, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
                                     MipFilter::kNone};
 // Integer textures are complete only so.
@@ -25,13 +27,13 @@ gl::PassState tile_state(const PassContext& pass, const gl::Framebuffer& framebu
   return state;
 }
 
-void bind_sky(const PassContext& pass) {
-  glBindTextureUnit(kSkyUnit, pass.scene.environment->sky.id());
+void bind_sky(const PassContext& pass, const GpuTexture& sky) {
+  glBindTextureUnit(kSkyUnit, sky.texture.id());
   glBindSampler(kSkyUnit, pass.residency.samplers().get(pass.context, kSkySampler));
 }
 
 void bind_environment(const PassContext& pass) {
-  bind_sky(pass);
+  bind_sky(pass, *pass.scene.sky);
   gl::SamplerCache& samplers = pass.residency.samplers();
   glBindTextureUnit(kAtlasUnit, pass.scene.environment->atlas.id());
   glBindSampler(kAtlasUnit, samplers.get(pass.context, kTableSampler));
@@ -39,13 +41,17 @@ void bind_environment(const PassContext& pass) {
   glBindSampler(kDfgUnit, samplers.get(pass.context, kTableSampler));
 }
 
-void bind_texels(const PassContext& pass, GLuint unit, const gl::Texture& texture) {
+void bind_texels(gl::Context& context, Residency& residency, GLuint unit, const gl::Texture& texture) {
   glBindTextureUnit(unit, texture.id());
-  glBindSampler(unit, pass.residency.samplers().get(pass.context, kTexelSampler));
+  glBindSampler(unit, residency.samplers().get(context, kTexelSampler));
 }
 
-void bind_draw(const PassContext& pass, const Draw& draw) {
-  const GpuScene& scene = pass.scene;
+void bind_ground(const PassContext& pass) {
+  glBindTextureUnit(kGroundUnit, pass.scene.ground_shadow->texture.id());
+  glBindSampler(kGroundUnit, pass.residency.samplers().get(pass.context, kGroundSampler));
+}
+
+void bind_draw(const GpuScene& scene, const Draw& draw) {
   const GpuMaterial& material = scene.materials[std::size_t(draw.material)];
   glBindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, scene.draw_blocks.id(), draw.block * scene.draw_stride,
                     sizeof(gpu::DrawBlock));
@@ -60,12 +66,12 @@ void bind_program(const PassContext& pass, const char* vertex, const char* fragm
   glUseProgram(pass.programs.request(pass.context, {vertex, fragment, features}));
 }
 
-void draw_viewport(const PassContext& pass) {
-  glBindVertexArray(pass.empty_vertex_array.id());
+void draw_viewport(const gl::VertexArray& empty_vertex_array) {
+  glBindVertexArray(empty_vertex_array.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void draw_mesh(const Draw& draw, GLenum face) {
+void draw_mesh(const Draw& draw, GLenum face, GLsizei instances) {
   if (face == GL_NONE) {
     glDisable(GL_CULL_FACE);
   } else {
@@ -76,7 +82,7 @@ void draw_mesh(const Draw& draw, GLenum face) {
   glFrontFace(draw.mirrored ? GL_CW : GL_CCW);
   glVertexAttrib4f(kColorLocation, 1, 1, 1, 1);
   glBindVertexArray(draw.mesh->vertex_array.id());
-  glDrawElements(draw.mesh->mode, draw.mesh->index_count, GL_UNSIGNED_INT, nullptr);
+  glDrawElementsInstanced(draw.mesh->mode, draw.mesh->index_count, GL_UNSIGNED_INT, nullptr, instances);
 }
 
 }  // namespace furnace

@@ -11,19 +11,21 @@ enum class Grid { kPixels, kSamples };
 
 gl::PassState tile_state(const PassContext& pass, const gl::Framebuffer& framebuffer, Grid grid);
 
-// The environment's own texture, where every shader that reads it expects it.
-void bind_sky(const PassContext& pass);
+// An equirect map, where every shader that reads one expects it.
+void bind_sky(const PassContext& pass, const GpuTexture& sky);
 // The sky, the atlas and the DFG table.
 void bind_environment(const PassContext& pass);
 // A texture whose texels are fetched one by one.
-void bind_texels(const PassContext& pass, GLuint unit, const gl::Texture& texture);
+void bind_texels(gl::Context& context, Residency& residency, GLuint unit, const gl::Texture& texture);
+// The ground's shadow.
+void bind_ground(const PassContext& pass);
 // The blocks and textures of a draw.
-void bind_draw(const PassContext& pass, const Draw& draw);
+void bind_draw(const GpuScene& scene, const Draw& draw);
 void bind_program(const PassContext& pass, const char* vertex, const char* fragment, gl::FeatureSet features);
 
 // One triangle over the viewport, of a program without vertex attributes.
-void draw_viewport(const PassContext& pass);
+void draw_viewport(const gl::VertexArray& empty_vertex_array);
 // The draw's mesh; culls `face`, or nothing for GL_NONE.
-void draw_mesh(const Draw& draw, GLenum face);
+void draw_mesh(const Draw& draw, GLenum face, GLsizei instances = 1);
 
 }  // namespace furnace

@@ -35,14 +35,23 @@ FramePlan plan_frame(const RenderSpec& spec, int max_tile_px) {
   for (int i = 0; i < spec.output.samples; ++i) plan.jitter_px.push_back(r2_offset(i));
 
   plan.exposure = std::exp2(spec.camera.exposure_ev);
-  plan.background = spec.environment.background;
-  plan.opaque = plan.background != BackgroundKind::kTransparent;
-  if (plan.background == BackgroundKind::kColor) {
-    // The colour is the picture's: exposure must not change it.
-    plan.background_color = glm::vec4(spec.environment.background_color / float(plan.exposure), 1);
+  const EnvironmentSpec& environment = spec.environment;
+  plan.opaque = !std::holds_alternative<TransparentBackground>(environment.background);
+  plan.environment_rotation_rad = plan.background_rotation_rad = environment.rotation_rad;
+  // Colours are the picture's: exposure must not change them.
+  const auto unexposed = [&](const glm::vec3& color) { return glm::vec4(color / float(plan.exposure), 1); };
+  if (const auto* seen = std::get_if<EnvironmentBackground>(&environment.background)) {
+    plan.background_rotation_rad = seen->rotation_rad.value_or(environment.rotation_rad);
+  } else if (const auto* one = std::get_if<ColorBackground>(&environment.background)) {
+    plan.background_top = plan.background_bottom = unexposed(one->color);
+  } else if (const auto* gradient = std::get_if<GradientBackground>(&environment.background)) {
+    plan.background_top = unexposed(gradient->top);
+    plan.background_bottom = unexposed(gradient->bottom);
   }
-  plan.environment_rotation_rad = spec.environment.rotation_rad;
-  plan.environment_intensity = spec.environment.intensity;
+  if (environment.ground) {
+    plan.shadow_strength = environment.ground->shadow_strength;
+    plan.projection = environment.ground->projection;
+  }
   plan.tone_map = spec.output.tone_map;
   plan.film_type = spec.output.format == OutputFormat::kPng ? SampleType::kUint8 : spec.output.exr_type;
   return plan;

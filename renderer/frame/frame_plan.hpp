@@ -1,6 +1,7 @@
 // What one frame will do, decided before any GL call: a pure function of the request and the context's limits.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -23,10 +24,11 @@ struct FramePlan {
       tiles;         // cover the picture without overlap, row by row; all but the last of a row equally large
   Extent tile_size;  // of the largest tile: the size of the render targets
   std::vector<glm::vec2> jitter_px;  // one offset per sub-frame, in [-0.5, 0.5); the first is 0
-  BackgroundKind background = BackgroundKind::kEnvironment;
-  glm::vec4 background_color{0};  // premultiplied linear radiance before exposure; 0 unless kColor
-  double environment_rotation_rad = 0;
-  double environment_intensity = 1;
+  // Premultiplied linear radiance before exposure, at the picture's upper and lower edge; 0 where an environment is seen.
+  glm::vec4 background_top{0}, background_bottom{0};
+  double environment_rotation_rad = 0, background_rotation_rad = 0;
+  double shadow_strength = 1;  // of the ground
+  std::optional<GroundProjection> projection;
   double exposure = 1;  // multiplier
   ToneMap tone_map = ToneMap::kPbrNeutral;
   SampleType film_type = SampleType::kUint8;  // kUint8: tone-mapped sRGB; kFloat16/32: linear

@@ -1,6 +1,7 @@
 #include "renderer/frame/frame_renderer.hpp"
 
 #include "renderer/frame/frame_uniform.hpp"
+#include "renderer/frame/ground_shadow.hpp"
 #include "renderer/frame/passes.hpp"
 #include "renderer/gl/readback.hpp"
 
@@ -19,8 +20,10 @@ FrameRenderer::FrameRenderer(gl::Context& context, gl::ProgramCache& programs)
     : context_(context), programs_(programs), empty_vertex_array_(gl::create_vertex_array(context)) {}
 
 FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, const View& view,
-                                  const GpuScene& scene, const PreparedEnvironment& environment,
+                                  const GpuScene& scene, const PreparedScene& prepared,
                                   const Deadline& deadline) {
+  const GroundRectangle* ground_map =
+      scene.ground_shadow != nullptr ? &scene.ground_shadow->rectangle : nullptr;
   const std::size_t subframes = plan.jitter_px.size();
   provide_targets(context_, plan, {!scene.blended.empty() || !scene.strokes.empty(), subframes > 1},
                   targets_);
@@ -31,7 +34,7 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
     const Clock::time_point start = Clock::now();
     for (std::size_t subframe = 0; subframe < subframes; ++subframe) {
       check_deadline(deadline, "draw");
-      const gpu::FrameBlock frame = pack_frame(plan, view, environment, tile, subframe);
+      const gpu::FrameBlock frame = pack_frame(plan, view, prepared, ground_map, tile, subframe);
       const gl::Buffer uniform = gl::create_buffer(context_, &frame, sizeof frame);
       glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniform.id());
       const PassContext pass{context_, programs_, residency,           plan, *targets_,
@@ -51,6 +54,14 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
     result.readback_ms += ms_since(read_start);
   }
   return result;
+}
+
+void FrameRenderer::provide_ground_shadow(Residency& residency, const PreparedScene& prepared,
+                                          GpuScene& scene, const Deadline& deadline) {
+  if (scene.ground_shadow != nullptr || !prepared.ground || prepared.ground->light == nullptr) return;
+  GpuGroundShadow shadow = draw_ground_shadow(context_, programs_, residency, scene, *prepared.ground,
+                                              empty_vertex_array_, deadline);
+  scene.ground_shadow = residency.keep_ground_shadow(*prepared.ground->shadow_key, std::move(shadow));
 }
 
 }  // namespace furnace

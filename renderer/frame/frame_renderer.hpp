@@ -23,7 +23,11 @@ class FrameRenderer {
 
   // Errors: kDeadlineExceeded between sub-frames.
   FrameResult render(Residency& residency, const FramePlan& plan, const View& view, const GpuScene& scene,
-                     const PreparedEnvironment& environment, const Deadline& deadline);
+                     const PreparedScene& prepared, const Deadline& deadline);
+
+  // Draws the ground's shadow where the scene wants one and has none yet. Errors: kDeadlineExceeded.
+  void provide_ground_shadow(Residency& residency, const PreparedScene& prepared, GpuScene& scene,
+                             const Deadline& deadline);
 
  private:
   gl::Context& context_;

@@ -29,23 +29,79 @@ glm::dmat4 tile_from_picture(Extent picture, const Tile& tile) {
   return glm::scale(glm::translate(glm::dmat4(1), glm::dvec3(shift, 0)), glm::dvec3(scale, 1));
 }
 
-// (ndc.x, ndc.y, 1) -> world direction through that point of the picture.
-glm::dmat4 world_from_ray(const View& view, const FramePlan& plan, glm::vec2 jitter_px) {
+// The ray of each point of the picture, linear in (ndc.x, ndc.y, 1).
+struct PictureRays {
+  glm::dmat3 origin{0};     // world, m
+  glm::dmat3 direction{0};  // world, not normalised
+};
+
+PictureRays rays_through(const glm::dmat4& clip_from_view, const View& view, Extent picture,
+                         glm::vec2 jitter_px) {
+  const double shift_x = 2.0 * jitter_px.x / picture.width;
+  const double shift_y = -2.0 * jitter_px.y / picture.height;
+  const glm::dmat3 world_from_view = glm::transpose(glm::dmat3(view.view_from_world));
+  const double scale_x = 1 / clip_from_view[0][0], scale_y = 1 / clip_from_view[1][1];
+  PictureRays rays;
+  rays.origin[2] = glm::dvec3(view.eye);
+  if (clip_from_view[2][3] == 0) {  // parallel
+    const glm::dvec3 shift(-(clip_from_view[3][0] + shift_x) * scale_x,
+                           -(clip_from_view[3][1] + shift_y) * scale_y, 0);
+    rays.origin[0] = world_from_view[0] * scale_x;
+    rays.origin[1] = world_from_view[1] * scale_y;
+    rays.origin[2] += world_from_view * shift;
+    rays.direction[2] = -world_from_view[2];
+    return rays;
+  }
+  // Off-centre projections look along (P[2][0], P[2][1]) too.
+  rays.direction[0] = world_from_view[0] * scale_x;
+  rays.direction[1] = world_from_view[1] * scale_y;
+  rays.direction[2] = world_from_view * glm::dvec3((clip_from_view[2][0] - shift_x) * scale_x,
+                                                   (clip_from_view[2][1] - shift_y) * scale_y, -1);
+  return rays;
+}
+
+// The rays on which the background is seen.
+PictureRays background_rays(const View& view, const FramePlan& plan, glm::vec2 jitter_px) {
   glm::dmat4 clip_from_view(view.clip_from_view);
-  if (view.orthographic) {
+  if (view.orthographic && !plan.projection) {
     const double aspect = double(plan.picture.width) / plan.picture.height;
     clip_from_view = glm::dmat4(perspective_reversed(kOrthographicBackgroundFovRad, aspect, 1, 2));
   }
-  const double shift_x = 2.0 * jitter_px.x / plan.picture.width;
-  const double shift_y = -2.0 * jitter_px.y / plan.picture.height;
-  // Off-centre projections look along (P[2][0], P[2][1]) too.
-  glm::dmat3 view_from_ray(0);
-  view_from_ray[0][0] = 1 / clip_from_view[0][0];
-  view_from_ray[1][1] = 1 / clip_from_view[1][1];
-  view_from_ray[2] = {(clip_from_view[2][0] - shift_x) / clip_from_view[0][0],
-                      (clip_from_view[2][1] - shift_y) / clip_from_view[1][1], -1};
-  const glm::dmat3 world_from_view = glm::transpose(glm::dmat3(view.view_from_world));
-  return glm::dmat4(world_from_view * view_from_ray);
+  return rays_through(clip_from_view, view, plan.picture, jitter_px);
+}
+
+// (ndc.x, ndc.y, 1) -> (u, v, 1) * z in `map` of the plane y = level_m, z > 0 where the ray comes down to it.
+// On a ray o + t d the plane is met at t = (level - o.y) / d.y; times -d.y everything is linear in the ndc.
+glm::dmat3 map_from_ndc(const PictureRays& rays, double level_m, const GroundRectangle& map) {
+  const bool parallel = rays.direction[0] == glm::dvec3(0) && rays.direction[1] == glm::dvec3(0);
+  glm::dmat3 ground(0);  // (x, z, 1) * z
+  if (parallel) {
+    const glm::dvec3 d = rays.direction[2];
+    if (d.y >= 0) return ground;
+    for (int i = 0; i < 3; ++i) {
+      const glm::dvec3 o = rays.origin[i];
+      const double drop = (i == 2 ? level_m : 0) - o.y;
+      ground[i] = {o.x + drop * d.x / d.y, o.z + drop * d.z / d.y, i == 2 ? 1 : 0};
+    }
+  } else {
+    const glm::dvec3 o = rays.origin[2];
+    const double drop = level_m - o.y;
+    if (drop >= 0) return ground;  // an eye below the ground does not see it
+    for (int i = 0; i < 3; ++i) {
+      const glm::dvec3 d = rays.direction[i];
+      ground[i] = {-(o.x * d.y + drop * d.x), -(o.z * d.y + drop * d.z), -d.y};
+    }
+  }
+  const glm::dvec2 size = map.high - map.low;
+  for (int i = 0; i < 3; ++i) {
+    ground[i].x = (ground[i].x - map.low.x * ground[i].z) / size.x;
+    ground[i].y = (ground[i].y - map.low.y * ground[i].z) / size.y;
+  }
+  return ground;
+}
+
+glm::mat4 rotation_undone(double rotation_rad) {
+  return glm::mat4(glm::rotate(glm::dmat4(1), -rotation_rad, glm::dvec3(0, 1, 0)));
 }
 
 // (ndc of the tile, 1) -> (ndc of the picture, 1)
@@ -60,17 +116,34 @@ glm::dmat3 ray_from_tile(const glm::dmat4& tile_from_clip) {
 
 }  // namespace
 
-gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const PreparedEnvironment& environment,
-                           const Tile& tile, std::size_t subframe) {
+gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const PreparedScene& scene,
+                           const GroundRectangle* ground_map, const Tile& tile, std::size_t subframe) {
+  const PreparedEnvironment& environment = *scene.environment;
   const glm::vec2 jitter_px = plan.jitter_px[subframe];
   gpu::FrameBlock block{};
   const glm::dmat4 tile_from_clip = tile_from_picture(plan.picture, tile);
+  const glm::dmat3 ray_from_ndc = ray_from_tile(tile_from_clip);
   block.clip_from_world = glm::mat4(tile_from_clip * jittered_from_clip(plan.picture, jitter_px) *
                                     glm::dmat4(view.clip_from_view) * glm::dmat4(view.view_from_world));
-  const glm::dmat4 ray = world_from_ray(view, plan, jitter_px);
-  block.world_from_ray = glm::mat4(glm::dmat4(glm::dmat3(ray) * ray_from_tile(tile_from_clip)));
-  block.environment_from_world =
-      glm::mat4(glm::rotate(glm::dmat4(1), -plan.environment_rotation_rad, glm::dvec3(0, 1, 0)));
+  const PictureRays rays = background_rays(view, plan, jitter_px);
+  block.world_from_ray = glm::mat4(glm::dmat4(rays.direction * ray_from_ndc));
+  block.environment_from_world = rotation_undone(plan.environment_rotation_rad);
+  block.background_from_world = rotation_undone(plan.background_rotation_rad);
+  if (plan.projection && scene.ground) {
+    const glm::dvec3 middle = glm::dvec3(scene.ground->bounds.min + scene.ground->bounds.max) * 0.5;
+    glm::dmat3 origin = rays.origin;
+    origin[2] -= glm::dvec3(middle.x, scene.ground->level_m + plan.projection->height_m, middle.z);
+    block.origin_from_ndc = glm::mat4(glm::dmat4(origin * ray_from_ndc));
+    block.dome_radius = float(plan.projection->radius_m);
+    block.dome_height = float(plan.projection->height_m);
+  }
+  if (scene.ground && ground_map != nullptr) {
+    const PictureRays true_rays =
+        rays_through(glm::dmat4(view.clip_from_view), view, plan.picture, jitter_px);
+    block.ground_from_ndc =
+        glm::mat4(glm::dmat4(map_from_ndc(true_rays, scene.ground->level_m, *ground_map) * ray_from_ndc));
+    block.shadow_strength = float(plan.shadow_strength);
+  }
   block.eye_world = glm::vec4(view.eye, view.orthographic ? 0 : 1);
   block.towards_viewer_world = glm::vec4(glm::transpose(glm::mat3(view.view_from_world))[2], 0);
 
@@ -87,8 +160,8 @@ gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const Prepar
   block.irradiance_tile = {float(irradiance.x), float(irradiance.y), float(irradiance.inner), 0};
   block.atlas_texel_u = 1.f / float(atlas.texels.extent.width);
   block.atlas_texel_v = 1.f / float(atlas.texels.extent.height);
-  block.atlas_gain = float(plan.environment_intensity / atlas.scale);
-  block.sky_gain = float(plan.environment_intensity / environment.sky_scale);
+  block.atlas_gain = float(scene.environment_intensity / atlas.scale);
+  block.sky_gain = float(scene.environment_intensity / environment.sky.scale);
 
   block.pixel_footprint = float(1 / std::sqrt(double(plan.jitter_px.size())));
   // Two pixels at 512 px, in proportion elsewhere.
@@ -96,9 +169,12 @@ gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const Prepar
   block.exposure = float(plan.exposure);
   block.ndc_per_pixel_x = 2.f / float(tile.size.width);
   block.ndc_per_pixel_y = -2.f / float(tile.size.height);
-  const double sky_texel_rad = 2 * kPi / environment.sky.extent.width;
-  const double pixel_rad = 2 * glm::length(glm::dvec3(ray[1])) / plan.picture.height;
-  block.sky_lod = float(std::log2(pixel_rad / sky_texel_rad));
+  const double pixel_rad = 2 * glm::length(rays.direction[1]) / plan.picture.height;
+  if (scene.background != nullptr) {
+    const double texel_rad = 2 * kPi / scene.background->texels.extent.width;
+    block.background_lod = float(std::log2(pixel_rad / texel_rad));
+    block.background_gain = float(scene.background_intensity / scene.background->scale);
+  }
   // A surface seen at 80 degrees from its normal changes so much in depth from sample to sample.
   constexpr double kSlope = 6;
   block.depth_tolerance = float(kSlope * pixel_rad);

@@ -1,3 +1,5 @@
+#include <array>
+
 #include "renderer/frame/draw_binding.hpp"
 
 namespace furnace {
@@ -12,12 +14,17 @@ ToneCurve tone_curve(const FramePlan& plan) {
 }
 
 void draw_screen(const PassContext& pass, const gl::Texture& source) {
-  bind_texels(pass, 0, source);
-  draw_viewport(pass);
+  bind_texels(pass.context, pass.residency, 0, source);
+  draw_viewport(pass.empty_vertex_array);
 }
 
 bool is_lone(const FramePlan& plan) {
   return plan.jitter_px.size() == 1;
+}
+
+glm::vec4 background_at(const PassContext& pass, int row) {
+  return glm::mix(pass.plan.background_top, pass.plan.background_bottom,
+                  float(row) / float(pass.plan.picture.height));
 }
 
 // `composes`: this pass is the first to read the sub-frame, so it puts veil and background to it.
@@ -25,21 +32,31 @@ GLuint screen_program(const PassContext& pass, const char* fragment, bool compos
   gl::FeatureSet features = 0;
   if (composes && pass.veiled()) {
     features |= gl::kFeatureVeil;
-    bind_texels(pass, 1, pass.targets.veil->color);
+    bind_texels(pass.context, pass.residency, 1, pass.targets.veil->color);
   }
-  const bool sky = composes && pass.plan.background == BackgroundKind::kEnvironment;
+  const bool sky = composes && pass.scene.background != nullptr;
   if (sky) {
     features |= gl::kFeatureSky;
-    if (pass.frame.sky_lod < 0) features |= gl::kFeatureMagnified;
-    bind_sky(pass);
+    if (pass.plan.projection) {
+      features |= gl::kFeatureGroundProjection;
+    } else if (pass.frame.background_lod < 0) {
+      features |= gl::kFeatureMagnified;
+    }
+    bind_sky(pass, *pass.scene.background);
+  }
+  if (composes && pass.scene.ground_shadow != nullptr) {
+    features |= gl::kFeatureGroundShadow;
+    bind_ground(pass);
   }
   const GLuint program = pass.programs.request(pass.context, {"screen/fullscreen.vert", fragment, features});
-  constexpr GLint kBackgroundLocation = 3, kExposureLocation = 4;
+  constexpr GLint kBackgroundLocation = 3, kExposureLocation = 5;
   if (fragment_exposes || (composes && pass.veiled()))
     glProgramUniform1f(program, kExposureLocation, float(pass.plan.exposure));
   if (!sky) {
-    const glm::vec4 color = composes ? pass.plan.background_color : glm::vec4(0);
-    glProgramUniform4f(program, kBackgroundLocation, color.r, color.g, color.b, color.a);
+    std::array<glm::vec4, 2> ends{};
+    if (composes)
+      ends = {background_at(pass, pass.tile.y), background_at(pass, pass.tile.y + pass.tile.size.height)};
+    glProgramUniform4fv(program, kBackgroundLocation, 2, &ends[0].x);
   }
   return program;
 }

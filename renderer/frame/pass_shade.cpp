@@ -65,9 +65,9 @@ void find_shares(const PassContext& pass, const Rect& rect) {
   gl::begin_pass(pass.context, state);
   limit_to(rect);
   bind_program(pass, "screen/fullscreen.vert", "visibility/shares.frag", 0);
-  bind_texels(pass, 0, pass.targets.visibility.texels);
-  bind_texels(pass, 1, pass.targets.visibility.depth);
-  draw_viewport(pass);
+  bind_texels(pass.context, pass.residency, 0, pass.targets.visibility.texels);
+  bind_texels(pass.context, pass.residency, 1, pass.targets.visibility.depth);
+  draw_viewport(pass.empty_vertex_array);
 }
 
 void select_draws(const PassContext& pass, const Rect& rect, GLuint layer) {
@@ -79,9 +79,9 @@ void select_draws(const PassContext& pass, const Rect& rect, GLuint layer) {
       pass.programs.request(pass.context, {"screen/fullscreen.vert", "visibility/select.frag", 0});
   glProgramUniform1ui(program, kLayerLocation, layer);
   glUseProgram(program);
-  bind_texels(pass, 0, pass.targets.visibility.texels);
-  bind_texels(pass, 1, pass.targets.shading.shares);
-  draw_viewport(pass);
+  bind_texels(pass.context, pass.residency, 0, pass.targets.visibility.texels);
+  bind_texels(pass.context, pass.residency, 1, pass.targets.shading.shares);
+  draw_viewport(pass.empty_vertex_array);
 }
 
 void shade_layer(const PassContext& pass, const std::vector<Rect>& rects, GLuint layer) {
@@ -94,10 +94,10 @@ void shade_layer(const PassContext& pass, const std::vector<Rect>& rects, GLuint
   }
   gl::begin_pass(pass.context, state);
   bind_environment(pass);
-  bind_texels(pass, kVisibilityUnit, pass.targets.visibility.texels);
-  bind_texels(pass, kSharesUnit, pass.targets.shading.shares);
+  bind_texels(pass.context, pass.residency, kVisibilityUnit, pass.targets.visibility.texels);
+  bind_texels(pass.context, pass.residency, kSharesUnit, pass.targets.shading.shares);
   const gl::FeatureSet veil = pass.veiled() ? gl::FeatureSet(gl::kFeatureVeil) : 0;
-  if (veil) bind_texels(pass, kVeilUnit, pass.targets.veil->color);
+  if (veil) bind_texels(pass.context, pass.residency, kVeilUnit, pass.targets.veil->color);
   for (std::size_t i = 0; i < rects.size(); ++i) {
     if (rects[i].width == 0 || rects[i].height == 0) continue;
     const Draw& draw = pass.scene.deferred[i];
@@ -107,10 +107,10 @@ void shade_layer(const PassContext& pass, const std::vector<Rect>& rects, GLuint
         pass.programs.request(pass.context, {"surface/deferred.vert", "surface/deferred.frag", features});
     glProgramUniform1ui(program, kLayerLocation, layer);
     glUseProgram(program);
-    bind_draw(pass, draw);
-    bind_texels(pass, kVerticesUnit, draw.mesh->vertex_texels);
-    bind_texels(pass, kTrianglesUnit, draw.mesh->index_texels);
-    draw_viewport(pass);
+    bind_draw(pass.scene, draw);
+    bind_texels(pass.context, pass.residency, kVerticesUnit, draw.mesh->vertex_texels);
+    bind_texels(pass.context, pass.residency, kTrianglesUnit, draw.mesh->index_texels);
+    draw_viewport(pass.empty_vertex_array);
   }
 }
 

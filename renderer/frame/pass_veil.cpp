@@ -7,7 +7,7 @@ namespace {
 
 void bind(const PassContext& pass, const Draw& draw) {
   bind_program(pass, "surface/forward.vert", "surface/forward.frag", draw.features);
-  bind_draw(pass, draw);
+  bind_draw(pass.scene, draw);
 }
 
 void draw_strokes(const PassContext& pass) {

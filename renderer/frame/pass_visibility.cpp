@@ -17,7 +17,7 @@ void pass_visibility(const PassContext& pass) {
     const bool masked = (draw.features & gl::kFeatureAlphaMask) != 0;
     bind_program(pass, "visibility/visibility.vert", "visibility/visibility.frag",
                  masked ? draw.features & masking : 0);
-    bind_draw(pass, draw);
+    bind_draw(pass.scene, draw);
     draw_mesh(draw, pass.scene.materials[std::size_t(draw.material)].double_sided ? GL_NONE : GL_BACK);
   }
 }

@@ -21,6 +21,8 @@ enum Feature : FeatureSet {
   kFeatureVeil = 1u << 10,
   kFeatureSky = 1u << 11,
   kFeatureMagnified = 1u << 12,
+  kFeatureGroundProjection = 1u << 13,
+  kFeatureGroundShadow = 1u << 14,
 };
 
 }  // namespace furnace::gl

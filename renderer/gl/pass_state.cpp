@@ -31,7 +31,9 @@ void begin_pass(Context&, const PassState& state) {
   glDepthFunc(depth_function(state.depth));
   glDepthMask(GL_TRUE);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  set(GL_BLEND, state.blend != Blend::kOff);
+  set(GL_BLEND, state.blend == Blend::kPremultiplied || state.blend == Blend::kAdd);
+  set(GL_COLOR_LOGIC_OP, state.blend == Blend::kOr);
+  glLogicOp(GL_OR);
   glBlendEquation(GL_FUNC_ADD);
   if (state.blend == Blend::kPremultiplied) glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   if (state.blend == Blend::kAdd) glBlendFunc(GL_ONE, GL_ONE);

@@ -16,6 +16,7 @@ enum class Blend {
   kOff,
   kPremultiplied,  // source + (1 - source alpha) * destination
   kAdd,
+  kOr,  // bits of an integer target
 };
 
 struct PassState {

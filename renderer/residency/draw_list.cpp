@@ -65,6 +65,12 @@ std::optional<Extent> common_map_size(const Material& material,
 bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedScene& scene, const View& view,
                     GpuScene& out) {
   out.environment = residency.environment(*scene.environment);
+  out.sky = residency.sky(scene.environment->sky);
+  if (scene.background != nullptr) out.background = residency.sky(*scene.background);
+  if (scene.ground && scene.ground->shadow_key) {
+    out.ground_shadow = residency.find_ground_shadow(*scene.ground->shadow_key);
+    if (out.ground_shadow == nullptr && scene.ground->light == nullptr) return false;
+  }
 
   std::vector<const GpuTexture*> textures;
   for (const PreparedTexture& texture : scene.textures) {

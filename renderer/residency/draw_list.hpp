@@ -40,6 +40,9 @@ struct GpuScene {
   gl::Buffer draw_blocks, material_blocks;
   GLintptr draw_stride = 0, material_stride = 0;
   const GpuEnvironment* environment = nullptr;
+  const GpuTexture* sky = nullptr;         // the environment itself
+  const GpuTexture* background = nullptr;  // what is seen of an environment; null for another background
+  const GpuGroundShadow* ground_shadow = nullptr;
 };
 
 // Makes everything resident. False when a mesh or texture must be prepared first (evicted since it was looked up).

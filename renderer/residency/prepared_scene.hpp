@@ -3,9 +3,11 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "renderer/base/content_hash.hpp"
+#include "renderer/ibl/light_directions.hpp"
 #include "renderer/ibl/octahedral_atlas.hpp"
 #include "renderer/ibl/suns.hpp"
 #include "renderer/image/decode.hpp"
@@ -41,15 +43,32 @@ struct EnvironmentSummary {
   std::vector<Sun> suns;                  // found in the map; they are still in it
 };
 
-// One environment in the shape the GPU takes. Values are radiance * scale, the scale a power of two.
+// An equirect map to be looked at. Values are radiance * scale, the scale a power of two.
+struct PreparedSky {
+  ContentHash key;
+  Image texels;  // RGBA kFloat16
+  double scale = 1;
+
+  std::size_t byte_size() const { return texels.byte_size(); }
+};
+
+// One environment in the shape the GPU takes.
 struct PreparedEnvironment {
   ContentHash key;
-  Image sky;  // RGBA kFloat16: the environment itself
-  double sky_scale = 1;
+  PreparedSky sky;  // the environment itself
   OctahedralAtlas atlas;
   EnvironmentSummary summary;
 
   std::size_t byte_size() const { return sky.byte_size() + atlas.texels.byte_size(); }
+};
+
+struct PreparedGround {
+  double level_m = 0;  // world y
+  Bounds bounds;       // of the scene, world
+  // Of the scene, its light and the plane; none where no shadow is asked for.
+  std::optional<ContentHash> shadow_key;
+  // What would light the plane without the scene, in world space. Null when the shadow was resident on the GPU a moment ago.
+  std::shared_ptr<const std::vector<LightDirection>> light;
 };
 
 struct PreparedScene {
@@ -58,6 +77,9 @@ struct PreparedScene {
   std::vector<PreparedTexture> textures;
   std::vector<Instance> instances;
   std::shared_ptr<const PreparedEnvironment> environment;
+  std::shared_ptr<const PreparedSky> background;               // null where no environment is seen
+  double environment_intensity = 1, background_intensity = 1;  // multipliers of the maps' radiance
+  std::optional<PreparedGround> ground;
 };
 
 }  // namespace furnace

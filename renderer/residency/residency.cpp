@@ -42,7 +42,9 @@ Residency::Residency(gl::Context& context, std::int64_t budget_bytes, std::share
       keys_(std::move(keys)),
       meshes_(total_bytes_, *keys_),
       textures_(total_bytes_, *keys_),
+      skies_(total_bytes_, *keys_),
       environments_(total_bytes_, *keys_),
+      ground_shadows_(total_bytes_, *keys_),
       neutral_(make_neutral(context)),
       dfg_(make_dfg(context)) {}
 
@@ -50,7 +52,9 @@ Residency::~Residency() {
   // A rebuilt context starts with nothing.
   meshes_.clear();
   textures_.clear();
+  skies_.clear();
   environments_.clear();
+  ground_shadows_.clear();
 }
 
 void Residency::begin_frame() {
@@ -58,11 +62,14 @@ void Residency::begin_frame() {
   uploaded_ = false;
   while (total_bytes_ > budget_bytes_) {
     const std::uint64_t oldest =
-        std::min({meshes_.oldest(frame_), textures_.oldest(frame_), environments_.oldest(frame_)});
+        std::min({meshes_.oldest(frame_), textures_.oldest(frame_), skies_.oldest(frame_),
+                  environments_.oldest(frame_), ground_shadows_.oldest(frame_)});
     if (oldest == frame_) break;
     meshes_.evict(oldest);
     textures_.evict(oldest);
+    skies_.evict(oldest);
     environments_.evict(oldest);
+    ground_shadows_.evict(oldest);
   }
 }
 
@@ -85,9 +92,22 @@ const GpuTexture* Residency::texture(const PreparedTexture& texture) {
 const GpuEnvironment* Residency::environment(const PreparedEnvironment& environment) {
   if (const GpuEnvironment* known = environments_.find(environment.key, frame_)) return known;
   uploaded_ = true;
-  GpuEnvironment gpu{gl::upload_texture(context_, environment.sky, true),
-                     gl::upload_texture(context_, environment.atlas.texels, false), environment.byte_size()};
+  GpuEnvironment gpu{gl::upload_texture(context_, environment.atlas.texels, false),
+                     environment.atlas.texels.byte_size()};
   return environments_.insert(environment.key, frame_, std::move(gpu));
+}
+
+const GpuTexture* Residency::sky(const PreparedSky& sky) {
+  if (const GpuTexture* known = skies_.find(sky.key, frame_)) return known;
+  uploaded_ = true;
+  GpuTexture gpu{gl::upload_texture(context_, sky.texels, true), sky.texels.extent,
+                 sky.texels.byte_size() * 4 / 3};
+  return skies_.insert(sky.key, frame_, std::move(gpu));
+}
+
+const GpuGroundShadow* Residency::keep_ground_shadow(const ContentHash& key, GpuGroundShadow shadow) {
+  uploaded_ = true;
+  return ground_shadows_.insert(key, frame_, std::move(shadow));
 }
 
 }  // namespace furnace

@@ -23,7 +23,19 @@ struct GpuTexture {
 };
 
 struct GpuEnvironment {
-  gl::Texture sky, atlas;
+  gl::Texture atlas;
+  std::size_t bytes = 0;
+};
+
+// A rectangle of the ground, world metres.
+struct GroundRectangle {
+  glm::dvec2 low{0}, high{0};  // (x, z)
+};
+
+// How much of the environment's light reaches the ground, of each colour: rows along +z, columns along +x.
+struct GpuGroundShadow {
+  gl::Texture texture;  // RGBA32F with all mip levels, [0, 1]
+  GroundRectangle rectangle;
   std::size_t bytes = 0;
 };
 
@@ -100,7 +112,13 @@ class Residency {
   // Null when it is neither resident nor packed, or decoded: the caller must prepare it and come again.
   const GpuMesh* mesh(const PreparedMesh& mesh);
   const GpuTexture* texture(const PreparedTexture& texture);
+  const GpuTexture* sky(const PreparedSky& sky);
   const GpuEnvironment* environment(const PreparedEnvironment& environment);
+  // Drawn, not uploaded: the frame makes what is not found.
+  const GpuGroundShadow* find_ground_shadow(const ContentHash& key) {
+    return ground_shadows_.find(key, frame_);
+  }
+  const GpuGroundShadow* keep_ground_shadow(const ContentHash& key, GpuGroundShadow shadow);
 
   GLuint neutral_texture() const { return neutral_.id(); }
   GLuint dfg_texture() const { return dfg_.id(); }
@@ -116,7 +134,9 @@ class Residency {
   bool uploaded_ = false;
   GpuCache<GpuMesh> meshes_;
   GpuCache<GpuTexture> textures_;
+  GpuCache<GpuTexture> skies_;
   GpuCache<GpuEnvironment> environments_;
+  GpuCache<GpuGroundShadow> ground_shadows_;
   gl::Texture neutral_;  // 1x1, white: every absent map reads 1
   gl::Texture dfg_;
   gl::SamplerCache samplers_;

@@ -118,9 +118,36 @@ class CanonicalHash {
     add_all(room, lights);
   }
 
+  void add(const EnvironmentBackground& value) {
+    const auto& [map, rotation_rad, intensity, blur_rad] = value;
+    add_all(map, rotation_rad, intensity, blur_rad);
+  }
+
+  void add(const ColorBackground& value) {
+    const auto& [color] = value;
+    add(color);
+  }
+
+  void add(const GradientBackground& value) {
+    const auto& [top, bottom] = value;
+    add_all(top, bottom);
+  }
+
+  void add(const TransparentBackground&) {}
+
+  void add(const GroundProjection& value) {
+    const auto& [height_m, radius_m] = value;
+    add_all(height_m, radius_m);
+  }
+
+  void add(const GroundSpec& value) {
+    const auto& [shadow, shadow_strength, level_m, projection] = value;
+    add_all(shadow, shadow_strength, level_m, projection);
+  }
+
   void add(const EnvironmentSpec& value) {
-    const auto& [map, rotation_rad, intensity, background, background_color] = value;
-    add_all(map, rotation_rad, intensity, background, background_color);
+    const auto& [map, rotation_rad, intensity, illuminance_lux, sun, background, ground] = value;
+    add_all(map, rotation_rad, intensity, illuminance_lux, sun, background, ground);
   }
 
   void add(const OrbitCamera& value) {

@@ -61,14 +61,50 @@ struct EnvironmentColor {
 using EnvironmentMapSpec =
     std::variant<BuiltinName, EnvironmentFile, EnvironmentColor, ProceduralEnvironment>;
 
-enum class BackgroundKind { kEnvironment, kColor, kTransparent };
+// What is seen behind the scene. Colours are linear radiance as shown, that is after exposure.
+struct EnvironmentBackground {
+  std::optional<EnvironmentMapSpec> map;  // none: the map that lights, at its intensity
+  std::optional<double> rotation_rad;     // none: with the map that lights
+  double intensity = 1;                   // multiplier, >= 0
+  double blur_rad = 0;                    // standard deviation along each axis, [0, pi]: ibl/blur.hpp
+};
+struct ColorBackground {
+  glm::vec3 color{0};
+};
+struct GradientBackground {
+  glm::vec3 top{1}, bottom{0};  // of the picture, linear between
+};
+struct TransparentBackground {};
+
+using BackgroundSpec =
+    std::variant<EnvironmentBackground, ColorBackground, GradientBackground, TransparentBackground>;
+
+// The lower half of the environment laid out as a floor, as if it had been photographed from `height_m` above it.
+struct GroundProjection {
+  double height_m = 1.6;
+  double radius_m = 20;  // of the dome that carries the rest, > height_m
+};
+
+// A horizontal plane that shows nothing but what the scene keeps from it: shadows.
+struct GroundSpec {
+  bool shadow = true;
+  double shadow_strength = 1;                  // [0, 1]
+  std::optional<double> level_m;               // world y; none: the scene's lowest point
+  std::optional<GroundProjection> projection;  // of the background
+};
+
+// Whether the suns of a map are taken out of it and given as directional lights.
+enum class SunMode { kAuto, kKeep, kExtract };
 
 struct EnvironmentSpec {
   EnvironmentMapSpec map = BuiltinName{"studio"};
   double rotation_rad = 0;  // about +Y, counter-clockwise seen from above: turns the environment as an object
   double intensity = 1;     // multiplier, >= 0
-  BackgroundKind background = BackgroundKind::kEnvironment;
-  glm::vec3 background_color{0};  // linear radiance after exposure, kColor only
+  // When given, the map is scaled so that it lights a horizontal plane with this many lux, then by `intensity`.
+  std::optional<double> illuminance_lux;
+  SunMode sun = SunMode::kAuto;
+  BackgroundSpec background;
+  std::optional<GroundSpec> ground;
 };
 
 struct OrbitCamera {
@@ -115,7 +151,7 @@ struct RenderSpec {
 };
 
 // Raised when the same canonical bytes would mean another picture.
-inline constexpr int kRenderSpecVersion = 1;
+inline constexpr int kRenderSpecVersion = 2;
 
 // Hash of the canonical form: equal for two specs that describe the same picture, whatever JSON they came
 // from.

@@ -196,6 +196,9 @@ void add_options(CLI::App& command, Arguments& to) {
                      "an .hdr or .exr file, or the name of a built-in environment");
   command.add_option("--rotation", options.rotation_degrees, "turn of the environment about +Y, degrees");
   command.add_option("--background", options.background, "environment, transparent or #rrggbb");
+  command.add_option("--background-blur", options.blur_degrees, "of the environment seen, degrees");
+  command.add_flag("--ground", options.ground, "a ground that shows the scene's shadow");
+  command.add_option("--sun", options.sun, "suns of the environment: auto, keep, or extract them as lights");
   command.add_option("--width", options.width, "px");
   command.add_option("--height", options.height, "px");
   command.add_option("--azimuth", options.azimuth_degrees,

@@ -76,7 +76,12 @@ std::string request_document(const RenderOptions& options, const std::string& mo
   if (!model.empty()) scene.add("model", std::optional(model));
   environment.add("map", options.environment);
   environment.add("rotationDegrees", options.rotation_degrees);
-  if (options.background) environment.add_object("background", background_members(*options.background));
+  environment.add("sun", options.sun);
+  Members background;
+  if (options.background) background = background_members(*options.background);
+  background.add("blurDegrees", options.blur_degrees);
+  environment.add_object("background", background);
+  if (options.ground) environment.add_raw("ground", "{}");
   orbit.add("azimuthDegrees", options.azimuth_degrees);
   orbit.add("elevationDegrees", options.elevation_degrees);
   camera.add_object("orbit", orbit);
@@ -98,10 +103,9 @@ std::string request_document(const RenderOptions& options, const std::string& mo
 void apply_options(const RenderOptions& options, const RenderSpec& said, RenderSpec& spec) {
   if (options.environment) spec.environment.map = said.environment.map;
   if (options.rotation_degrees) spec.environment.rotation_rad = said.environment.rotation_rad;
-  if (options.background) {
-    spec.environment.background = said.environment.background;
-    spec.environment.background_color = said.environment.background_color;
-  }
+  if (options.background || options.blur_degrees) spec.environment.background = said.environment.background;
+  if (options.sun) spec.environment.sun = said.environment.sun;
+  if (options.ground) spec.environment.ground = said.environment.ground;
   if (turns_camera(options)) spec.camera.view = said.camera.view;
   if (options.exposure_ev) spec.camera.exposure_ev = said.camera.exposure_ev;
   if (options.width) spec.output.width = said.output.width;

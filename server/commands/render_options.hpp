@@ -14,6 +14,9 @@ struct RenderOptions {
   std::optional<double> azimuth_degrees, elevation_degrees, exposure_ev, rotation_degrees;
   std::optional<std::string> environment;  // a reference: "builtin:studio", "part:environment"
   std::optional<std::string> background;   // environment, transparent or #rrggbb
+  std::optional<double> blur_degrees;      // of the background
+  std::optional<std::string> sun;
+  bool ground = false;
 };
 
 // The document that says what `options` say, about `model` (a reference) unless that is empty.

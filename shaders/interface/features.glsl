@@ -15,3 +15,5 @@
 // FEATURE_VEIL               blended surfaces, lines or points stand before the frame
 // FEATURE_SKY                the environment stands behind the frame
 // FEATURE_MAGNIFIED          its texels are larger than pixels: they are interpolated smoothly
+// FEATURE_GROUND_PROJECTION  its lower half lies flat, as a floor
+// FEATURE_GROUND_SHADOW      a ground under the scene shows its shadow

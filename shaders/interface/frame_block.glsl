@@ -4,6 +4,9 @@ struct FrameBlock {
   mat4 clip_from_world;         // of the tile, with this sub-frame's jitter
   mat4 world_from_ray;          // (ndc.x, ndc.y, 1, 0) -> direction of the background ray, not normalised; ndc of the tile
   mat4 environment_from_world;  // undoes the environment's rotation
+  mat4 background_from_world;   // undoes that of the background
+  mat4 origin_from_ndc;         // (ndc.x, ndc.y, 1, 0) -> where the background ray begins (m), from the middle of the dome
+  mat4 ground_from_ndc;         // (ndc.x, ndc.y, 1, 0) -> (u, v) of the ground's shadow times z; z <= 0 where there is no ground
   vec4 eye_world;               // xyz: m; w: 1 perspective, 0 orthographic
   vec4 towards_viewer_world;    // xyz: unit, used when orthographic
   vec4 level_tiles[32];         // x, y of the first inner texel, inner side (px), level_coordinate(); rising
@@ -13,11 +16,15 @@ struct FrameBlock {
   float atlas_gain;             // radiance per stored unit, intensity included
   float sky_gain;               // the same for the environment's own texture
   uint level_count;             // tiles in use
-  float sky_lod;                // mip level of the environment's own texture whose texels are as large as pixels
+  float background_lod;         // mip level of the background's texture whose texels are as large as pixels
   float pixel_footprint;        // 1 / sqrt(sub-frames)
   float point_size_samples;
   float ndc_per_pixel_x;        // to the right
   float ndc_per_pixel_y;        // downwards: negative
   float depth_tolerance;        // relative difference of depth within one surface and pixel
   float exposure;               // multiplier
+  float background_gain;        // radiance per stored unit of the background's texture
+  float shadow_strength;        // of the ground, [0, 1]
+  float dome_radius;            // m: of the ground projection
+  float dome_height;            // m, of its middle above the ground
 };

@@ -100,7 +100,12 @@ TEST(Fields, OnlyOptionalThingsHaveNoDefault) {
         leaf.path.ends_with("/stops/color") || leaf.path.ends_with("/stops/elevationDegrees") ||
         leaf.path == "/map:clear-sky/dateTime" || leaf.path == "/map:clear-sky/latitudeDegrees" ||
         leaf.path == "/map:clear-sky/longitudeDegrees" || leaf.path == "/camera/lookAt/eye" ||
-        leaf.path == "/camera/gltf" || leaf.path == "/output/samples";
+
+        leaf.path == "/environment/background/map" ||
+        leaf.path == "/environment/background/rotationDegrees" ||
+        leaf.path == "/environment/illuminanceLux" || leaf.path == "/environment/ground/levelMetres" ||
+        leaf.path == "/environment/ground/projection/radiusMetres" || leaf.path == "/camera/gltf" ||
+        leaf.path == "/output/samples";
     EXPECT_NE(stated, needs_none) << leaf.path;
   }
 }

@@ -54,11 +54,10 @@ TEST(FramePlan, FewerSubFramesAreAPrefix) {
 
 TEST(FramePlan, ABackgroundColourIsNotExposed) {
   RenderSpec spec;
-  spec.environment.background = BackgroundKind::kColor;
-  spec.environment.background_color = {0.5f, 0.25f, 1};
+  spec.environment.background = ColorBackground{{0.5f, 0.25f, 1}};
   spec.camera.exposure_ev = 2;
   const FramePlan plan = plan_frame(spec, 1024);
-  EXPECT_EQ(plan.background_color * float(plan.exposure), glm::vec4(0.5f, 0.25f, 1, 4));
+  EXPECT_EQ(plan.background_top * float(plan.exposure), glm::vec4(0.5f, 0.25f, 1, 4));
 }
 
 class FrameUniformTest : public testing::Test {
@@ -71,11 +70,14 @@ class FrameUniformTest : public testing::Test {
     view_.view_from_world = look_at({3, 2, 5}, {0, 1, 0}, {0, 1, 0});
     view_.clip_from_view = perspective_reversed(0.7, 1.5, 0.1, 100);
     view_.eye = {3, 2, 5};
-    environment_.sky = make_image({4, 2}, 4, SampleType::kFloat16, ColorSpace::kLinear);
+    environment_.sky.texels = make_image({4, 2}, 4, SampleType::kFloat16, ColorSpace::kLinear);
     environment_.atlas.texels = make_image({8, 8}, 4, SampleType::kFloat16, ColorSpace::kLinear);
     environment_.atlas.level_roughness = {0.1, 1};
     environment_.atlas.level_tiles = {{1, 1, 2}, {5, 1, 2}};
     environment_.atlas.irradiance_tile = {1, 5, 2};
+    // Lives as long as the test; owned by it.
+    scene_.environment = std::shared_ptr<const PreparedEnvironment>(std::shared_ptr<void>(), &environment_);
+    scene_.background = std::shared_ptr<const PreparedSky>(std::shared_ptr<void>(), &environment_.sky);
   }
   glm::vec2 pixel_of(const glm::mat4& clip_from_world, const glm::vec3& world) const {
     const glm::vec4 clip = clip_from_world * glm::vec4(world, 1);
@@ -85,15 +87,16 @@ class FrameUniformTest : public testing::Test {
   FramePlan plan_;
   View view_;
   PreparedEnvironment environment_;
+  PreparedScene scene_;
 };
 
 TEST_F(FrameUniformTest, JitterMovesThePictureByItsPixels) {
   const glm::vec3 point(0.4f, 0.7f, -1);
   const glm::vec2 still =
-      pixel_of(pack_frame(plan_, view_, environment_, plan_.tiles[0], 0).clip_from_world, point);
+      pixel_of(pack_frame(plan_, view_, scene_, nullptr, plan_.tiles[0], 0).clip_from_world, point);
   for (std::size_t i = 1; i < 4; ++i) {
     const glm::vec2 moved =
-        pixel_of(pack_frame(plan_, view_, environment_, plan_.tiles[0], i).clip_from_world, point);
+        pixel_of(pack_frame(plan_, view_, scene_, nullptr, plan_.tiles[0], i).clip_from_world, point);
     EXPECT_NEAR(moved.x - still.x, plan_.jitter_px[i].x, 1e-3);
     EXPECT_NEAR(moved.y - still.y, plan_.jitter_px[i].y, 1e-3);
   }
@@ -101,9 +104,9 @@ TEST_F(FrameUniformTest, JitterMovesThePictureByItsPixels) {
 
 // A tile's clip space and rays are the picture's, cut out.
 TEST_F(FrameUniformTest, TilesAreCutFromThePicture) {
-  const gpu::FrameBlock whole = pack_frame(plan_, view_, environment_, plan_.tiles[0], 1);
+  const gpu::FrameBlock whole = pack_frame(plan_, view_, scene_, nullptr, plan_.tiles[0], 1);
   const Tile tile{120, 70, {64, 32}};
-  const gpu::FrameBlock cut = pack_frame(plan_, view_, environment_, tile, 1);
+  const gpu::FrameBlock cut = pack_frame(plan_, view_, scene_, nullptr, tile, 1);
   const glm::vec3 point(0.1f, 0.9f, 0.3f);
   const glm::vec2 there = pixel_of(whole.clip_from_world, point);
   const glm::vec4 clip = cut.clip_from_world * glm::vec4(point, 1);
@@ -111,12 +114,12 @@ TEST_F(FrameUniformTest, TilesAreCutFromThePicture) {
   EXPECT_NEAR((0.5f - clip.y / clip.w * 0.5f) * 32 + 70, there.y, 1e-3);
   const glm::vec3 ray = glm::mat3(cut.world_from_ray) * glm::vec3(clip.x / clip.w, clip.y / clip.w, 1);
   EXPECT_NEAR(glm::dot(glm::normalize(ray), glm::normalize(point - view_.eye)), 1, 1e-6);
-  EXPECT_EQ(cut.sky_lod, whole.sky_lod);
+  EXPECT_EQ(cut.background_lod, whole.background_lod);
 }
 
 TEST_F(FrameUniformTest, BackgroundRaysMeetTheSurfacesOfTheSamePixel) {
   for (std::size_t i = 0; i < 4; ++i) {
-    const gpu::FrameBlock block = pack_frame(plan_, view_, environment_, plan_.tiles[0], i);
+    const gpu::FrameBlock block = pack_frame(plan_, view_, scene_, nullptr, plan_.tiles[0], i);
     const glm::vec3 point(-0.6f, 1.4f, 0.5f);
     const glm::vec4 clip = block.clip_from_world * glm::vec4(point, 1);
     const glm::vec3 ray = glm::mat3(block.world_from_ray) * glm::vec3(clip.x / clip.w, clip.y / clip.w, 1);
@@ -126,18 +129,41 @@ TEST_F(FrameUniformTest, BackgroundRaysMeetTheSurfacesOfTheSamePixel) {
 
 TEST_F(FrameUniformTest, TurningTheEnvironmentTurnsItAsAnObject) {
   plan_.environment_rotation_rad = kPi / 2;
-  const gpu::FrameBlock block = pack_frame(plan_, view_, environment_, plan_.tiles[0], 0);
+  const gpu::FrameBlock block = pack_frame(plan_, view_, scene_, nullptr, plan_.tiles[0], 0);
   // Counter-clockwise seen from above: what stood at +X now stands at -Z.
   const glm::vec3 seen = glm::mat3(block.environment_from_world) * glm::vec3(0, 0, -1);
   EXPECT_NEAR(seen.x, 1, 1e-6);
   EXPECT_NEAR(seen.z, 0, 1e-6);
 }
 
+// Where a point of the ground is seen, its place in the ground's map comes out.
+TEST_F(FrameUniformTest, TheGroundIsFoundAgain) {
+  PreparedGround ground;
+  ground.level_m = -0.25;
+  ground.bounds = {glm::vec3(-1), glm::vec3(1)};
+  scene_.ground = ground;
+  const GroundRectangle map{{-2, -3}, {4, 1}};
+  const glm::vec3 point(0.5f, -0.25f, -1);
+  const glm::vec2 expected((0.5f + 2) / 6, (-1 + 3.f) / 4);
+  for (const bool orthographic : {false, true}) {
+    view_.orthographic = orthographic;
+    if (orthographic) view_.clip_from_view = orthographic_reversed(3, 2, 0.1, 100);
+    for (const Tile& tile : {plan_.tiles[0], Tile{60, 40, {180, 90}}}) {
+      const gpu::FrameBlock block = pack_frame(plan_, view_, scene_, &map, tile, 2);
+      const glm::vec4 clip = block.clip_from_world * glm::vec4(point, 1);
+      const glm::vec3 at = glm::mat3(block.ground_from_ndc) * glm::vec3(clip.x / clip.w, clip.y / clip.w, 1);
+      ASSERT_GT(at.z, 0);
+      EXPECT_NEAR(at.x / at.z, expected.x, 1e-5);
+      EXPECT_NEAR(at.y / at.z, expected.y, 1e-5);
+    }
+  }
+}
+
 TEST_F(FrameUniformTest, GainsUndoTheStoredScale) {
-  environment_.sky_scale = 0.25;
+  environment_.sky.scale = 0.25;
   environment_.atlas.scale = 0.5;
-  plan_.environment_intensity = 3;
-  const gpu::FrameBlock block = pack_frame(plan_, view_, environment_, plan_.tiles[0], 0);
+  scene_.environment_intensity = 3;
+  const gpu::FrameBlock block = pack_frame(plan_, view_, scene_, nullptr, plan_.tiles[0], 0);
   EXPECT_EQ(block.sky_gain, 12);
   EXPECT_EQ(block.atlas_gain, 6);
   EXPECT_EQ(block.level_count, 2u);

@@ -165,16 +165,19 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
   ShaderLibrary library({});
   library.add("layout.comp",
               "#include \"interface/frame_block.glsl\"\n#include \"interface/draw_block.glsl\"\n"
-              "#include \"interface/material_block.glsl\"\n"
+              "#include \"interface/ground_block.glsl\"\n#include \"interface/material_block.glsl\"\n"
               "layout(local_size_x = 1) in;\n"
               "layout(std140, binding = 0) uniform FrameUniform { FrameBlock frame; };\n"
               "layout(std140, binding = 1) uniform DrawUniform { DrawBlock draw; };\n"
               "layout(std140, binding = 2) uniform MaterialUniform { MaterialBlock material; };\n"
-              "layout(std430, binding = 3) buffer Out { float result; };\n"
-              "void main() { result = frame.point_size_samples + draw.handedness + material.metallic; }\n");
+              "layout(std140, binding = 3) uniform GroundUniform { GroundBlock ground; };\n"
+              "layout(std430, binding = 4) buffer Out { float result; };\n"
+              "void main() { result = frame.point_size_samples + draw.handedness + material.metallic + "
+              "ground.level; }\n");
   const Program program = build_program(context_, library, {"layout.comp", "", 0});
   using gpu::DrawBlock;
   using gpu::FrameBlock;
+  using gpu::GroundBlock;
   using gpu::MaterialBlock;
   expect_layout(
       program.id(), "DrawUniform",
@@ -193,17 +196,39 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
        FURNACE_MEMBER(MaterialBlock, pad_1), FURNACE_MEMBER(MaterialBlock, pad_2),
        FURNACE_MEMBER(MaterialBlock, uv_rows)},
       sizeof(MaterialBlock));
+  expect_layout(program.id(), "GroundUniform",
+                {FURNACE_MEMBER(GroundBlock, clip_from_ground), FURNACE_MEMBER(GroundBlock, level),
+                 FURNACE_MEMBER(GroundBlock, light_count), FURNACE_MEMBER(GroundBlock, pad_0),
+                 FURNACE_MEMBER(GroundBlock, pad_1), FURNACE_MEMBER(GroundBlock, light),
+                 FURNACE_MEMBER(GroundBlock, weight)},
+                sizeof(GroundBlock));
   expect_layout(program.id(), "FrameUniform",
-                {FURNACE_MEMBER(FrameBlock, clip_from_world), FURNACE_MEMBER(FrameBlock, world_from_ray),
-                 FURNACE_MEMBER(FrameBlock, environment_from_world), FURNACE_MEMBER(FrameBlock, eye_world),
-                 FURNACE_MEMBER(FrameBlock, towards_viewer_world), FURNACE_MEMBER(FrameBlock, level_tiles),
-                 FURNACE_MEMBER(FrameBlock, irradiance_tile), FURNACE_MEMBER(FrameBlock, atlas_texel_u),
-                 FURNACE_MEMBER(FrameBlock, atlas_texel_v), FURNACE_MEMBER(FrameBlock, atlas_gain),
-                 FURNACE_MEMBER(FrameBlock, sky_gain), FURNACE_MEMBER(FrameBlock, level_count),
-                 FURNACE_MEMBER(FrameBlock, sky_lod), FURNACE_MEMBER(FrameBlock, pixel_footprint),
-                 FURNACE_MEMBER(FrameBlock, point_size_samples), FURNACE_MEMBER(FrameBlock, ndc_per_pixel_x),
-                 FURNACE_MEMBER(FrameBlock, ndc_per_pixel_y), FURNACE_MEMBER(FrameBlock, depth_tolerance),
-                 FURNACE_MEMBER(FrameBlock, exposure)},
+                {FURNACE_MEMBER(FrameBlock, clip_from_world),
+                 FURNACE_MEMBER(FrameBlock, world_from_ray),
+                 FURNACE_MEMBER(FrameBlock, environment_from_world),
+                 FURNACE_MEMBER(FrameBlock, background_from_world),
+                 FURNACE_MEMBER(FrameBlock, origin_from_ndc),
+                 FURNACE_MEMBER(FrameBlock, ground_from_ndc),
+                 FURNACE_MEMBER(FrameBlock, eye_world),
+                 FURNACE_MEMBER(FrameBlock, towards_viewer_world),
+                 FURNACE_MEMBER(FrameBlock, level_tiles),
+                 FURNACE_MEMBER(FrameBlock, irradiance_tile),
+                 FURNACE_MEMBER(FrameBlock, atlas_texel_u),
+                 FURNACE_MEMBER(FrameBlock, atlas_texel_v),
+                 FURNACE_MEMBER(FrameBlock, atlas_gain),
+                 FURNACE_MEMBER(FrameBlock, sky_gain),
+                 FURNACE_MEMBER(FrameBlock, level_count),
+                 FURNACE_MEMBER(FrameBlock, background_lod),
+                 FURNACE_MEMBER(FrameBlock, pixel_footprint),
+                 FURNACE_MEMBER(FrameBlock, point_size_samples),
+                 FURNACE_MEMBER(FrameBlock, ndc_per_pixel_x),
+                 FURNACE_MEMBER(FrameBlock, ndc_per_pixel_y),
+                 FURNACE_MEMBER(FrameBlock, depth_tolerance),
+                 FURNACE_MEMBER(FrameBlock, exposure),
+                 FURNACE_MEMBER(FrameBlock, background_gain),
+                 FURNACE_MEMBER(FrameBlock, shadow_strength),
+                 FURNACE_MEMBER(FrameBlock, dome_radius),
+                 FURNACE_MEMBER(FrameBlock, dome_height)},
                 sizeof(FrameBlock));
 }
 

@@ -28,6 +28,8 @@ RenderOptions everything() {
   options.rotation_degrees = 180;
   options.environment = "builtin:overcast";
   options.background = "#ff0080";
+  options.sun = "keep";
+  options.ground = true;
   return options;
 }
 
@@ -48,10 +50,22 @@ TEST(RenderOptions, EveryOptionIsUnderstoodByTheApi) {
               1e-6);  // single precision suffices
   EXPECT_EQ(spec.camera.exposure_ev, 1.5);
   EXPECT_EQ(std::get<BuiltinName>(spec.environment.map).name, "overcast");
-  EXPECT_EQ(spec.environment.background, BackgroundKind::kColor);
-  EXPECT_FLOAT_EQ(spec.environment.background_color.x, 1);
-  EXPECT_FLOAT_EQ(spec.environment.background_color.y, 0);
-  EXPECT_NEAR(spec.environment.background_color.z, 0.2158605, 1e-6);  // sRGB 128 as published in many tables
+  const glm::vec3 color = std::get<ColorBackground>(spec.environment.background).color;
+  EXPECT_FLOAT_EQ(color.x, 1);
+  EXPECT_FLOAT_EQ(color.y, 0);
+  EXPECT_NEAR(color.z, 0.2158605, 1e-6);  // sRGB 128 as published in many tables
+  EXPECT_EQ(spec.environment.sun, SunMode::kKeep);
+  EXPECT_TRUE(spec.environment.ground);
+}
+
+TEST(RenderOptions, BlursTheEnvironmentThatIsSeen) {
+  RenderOptions options;
+  options.blur_degrees = 9;
+  const RenderSpec said = parsed(request_document(options, ""));
+  EXPECT_NEAR(std::get<EnvironmentBackground>(said.environment.background).blur_rad, 0.15707963, 1e-8);
+  RenderSpec spec = parsed(R"({"environment":{"background":{"type":"transparent"}}})");
+  apply_options(options, said, spec);
+  EXPECT_TRUE(std::holds_alternative<EnvironmentBackground>(spec.environment.background));
 }
 
 TEST(RenderOptions, AppliedToARequestTheyGiveTheSamePicture) {

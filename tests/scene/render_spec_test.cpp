@@ -50,6 +50,14 @@ NodeSpec& node(RenderSpec& spec) {
 OrbitCamera& orbit(RenderSpec& spec) {
   return std::get<OrbitCamera>(spec.camera.view);
 }
+EnvironmentBackground& seen(RenderSpec& spec) {
+  return std::get<EnvironmentBackground>(spec.environment.background);
+}
+
+GroundSpec& ground(RenderSpec& spec) {
+  return spec.environment.ground.emplace();
+}
+
 LookAtCamera& look(RenderSpec& spec) {
   if (!std::holds_alternative<LookAtCamera>(spec.camera.view)) spec.camera.view = LookAtCamera{};
   return std::get<LookAtCamera>(spec.camera.view);
@@ -152,8 +160,36 @@ const std::vector<Mutation> kMutations = {
     {"light hotspot", [](RenderSpec& s) { map<StudioEnvironment>(s).lights[0].hotspot = 2; }},
     {"environment rotation", [](RenderSpec& s) { s.environment.rotation_rad = 1; }},
     {"intensity", [](RenderSpec& s) { s.environment.intensity = 2; }},
-    {"background", [](RenderSpec& s) { s.environment.background = BackgroundKind::kTransparent; }},
-    {"background color", [](RenderSpec& s) { s.environment.background_color.g = 1; }},
+    {"illuminance", [](RenderSpec& s) { s.environment.illuminance_lux = 1000; }},
+    {"suns kept", [](RenderSpec& s) { s.environment.sun = SunMode::kKeep; }},
+    {"suns extracted", [](RenderSpec& s) { s.environment.sun = SunMode::kExtract; }},
+    {"transparent background", [](RenderSpec& s) { s.environment.background = TransparentBackground{}; }},
+    {"black background", [](RenderSpec& s) { s.environment.background = ColorBackground{}; }},
+    {"background color",
+     [](RenderSpec& s) {
+       s.environment.background = ColorBackground{{0, 1, 0}};
+     }},
+    {"gradient", [](RenderSpec& s) { s.environment.background = GradientBackground{}; }},
+    {"gradient's top",
+     [](RenderSpec& s) {
+       s.environment.background = GradientBackground{{0, 1, 0}, {}};
+     }},
+    {"gradient's bottom",
+     [](RenderSpec& s) {
+       s.environment.background = GradientBackground{{1, 1, 1}, {0, 1, 0}};
+     }},
+    {"background map", [](RenderSpec& s) { seen(s).map = BuiltinName{"studio"}; }},
+    {"other background map", [](RenderSpec& s) { seen(s).map = BuiltinName{"sky"}; }},
+    {"background rotation", [](RenderSpec& s) { seen(s).rotation_rad = 0; }},
+    {"background intensity", [](RenderSpec& s) { seen(s).intensity = 2; }},
+    {"background blur", [](RenderSpec& s) { seen(s).blur_rad = 0.1; }},
+    {"ground", [](RenderSpec& s) { s.environment.ground = GroundSpec{}; }},
+    {"ground without shadow", [](RenderSpec& s) { ground(s).shadow = false; }},
+    {"shadow strength", [](RenderSpec& s) { ground(s).shadow_strength = 0.5; }},
+    {"ground level", [](RenderSpec& s) { ground(s).level_m = 0; }},
+    {"ground projection", [](RenderSpec& s) { ground(s).projection = GroundProjection{}; }},
+    {"projection height", [](RenderSpec& s) { ground(s).projection = GroundProjection{.height_m = 2}; }},
+    {"projection radius", [](RenderSpec& s) { ground(s).projection = GroundProjection{.radius_m = 9}; }},
     {"azimuth", [](RenderSpec& s) { orbit(s).azimuth_rad = 1; }},
     {"elevation", [](RenderSpec& s) { orbit(s).elevation_rad = 1; }},
     {"fit", [](RenderSpec& s) { orbit(s).fit = 1; }},
@@ -210,7 +246,8 @@ TEST(SpecHash, ZeroHasNoSign) {
   RenderSpec a, b;
   a.camera.exposure_ev = 0.0;
   b.camera.exposure_ev = -0.0;
-  b.environment.background_color = glm::vec3(-0.0f);
+  a.environment.background = ColorBackground{};
+  b.environment.background = ColorBackground{glm::vec3(-0.0f)};
   EXPECT_EQ(spec_hash(a), spec_hash(b));
 }
 

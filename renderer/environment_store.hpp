@@ -1,0 +1,40 @@
+// Environments: decoded, baked, blurred, through byte-bounded caches in memory and on disk.
+#pragma once
+
+#include <memory>
+
+#include "renderer/bake_store.hpp"
+#include "renderer/base/budget_cache.hpp"
+#include "renderer/base/worker_pool.hpp"
+#include "renderer/renderer.hpp"
+
+namespace furnace {
+
+// Threads: any. Owns: the caches of baked environments and of backgrounds.
+class EnvironmentStore {
+ public:
+  // `pool` outlives it.
+  EnvironmentStore(const RendererConfig& config, WorkerPool& pool);
+
+  // From memory, from disk, or baked. Adds to decode_ms and bake_ms of `times`. Errors: those of decoding and baking, with the
+  // pointer /environment/map.
+  std::shared_ptr<const StoredBake> baked(const EnvironmentMapSpec& map, const Deadline& deadline,
+                                          StageTimes& times);
+
+  // A map to be looked at only. Errors: the same, with the pointer /environment/background/map.
+  std::shared_ptr<const PreparedSky> background(const EnvironmentMapSpec& map, double blur_rad,
+                                                const Deadline& deadline, StageTimes& times);
+
+ private:
+  DecodedEnvironment decode(const EnvironmentMapSpec& map, const char* pointer, StageTimes& times) const;
+  StoredBake bake(const EnvironmentMapSpec& map, const ContentHash& key, const Deadline& deadline,
+                  StageTimes& times) const;
+
+  const DecodeLimits limits_;
+  WorkerPool& pool_;
+  BudgetCache<StoredBake> baked_;
+  BudgetCache<PreparedSky> backgrounds_;
+  std::unique_ptr<BakeStore> bake_store_;  // null without a data folder
+};
+
+}  // namespace furnace
