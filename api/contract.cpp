@@ -13,6 +13,7 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::string_view kSchemaPath = "schema/render_request.json";
+constexpr std::string_view kProceduralPath = "schema/procedural_environment.json";
 constexpr std::string_view kSchemaPlace = "#/components/schemas/RenderRequest";
 
 std::string_view contract_file(std::string_view path) {
@@ -43,6 +44,7 @@ void fill_in_names(OrderedJson& schema, const char* definition, std::string_view
 std::string_view render_request_schema() {
   static const std::string text = [] {
     OrderedJson schema = OrderedJson::parse(contract_file(kSchemaPath));
+    schema["$defs"].update(OrderedJson::parse(contract_file(kProceduralPath))["$defs"]);
     fill_in_names(schema, "presetName", "", material_preset_names());
     fill_in_names(schema, "meshName", "builtin:", builtin_mesh_names());
     return schema.dump(2);

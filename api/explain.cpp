@@ -149,16 +149,39 @@ class Explainer {
           fmt::format("must be one of {}; got {}{}", fmt::join(quoted_names, ", "), value.excerpt(), hint));
   }
 
-  // Our alternatives differ by type, so the one of the value's type is the one that was meant.
+  // Our alternatives differ by type, so the one of the value's type is the one that was meant; objects differ by
+  // the one name that their member "type" may have.
   void check_any_of(const Value& alternatives, const Value& value) {
-    std::vector<std::string> words;
+    std::vector<std::string_view> words;
+    std::vector<Value> fitting;
     for (std::size_t i = 0; i < alternatives.size(); ++i) {
       const Value alternative = resolved(alternatives.at(i));
       const std::string_view type = alternative["type"].text();
-      if (has_type(value, type)) return check(alternative, value);
-      words.emplace_back(type_word(type).words);
+      if (has_type(value, type)) fitting.push_back(alternative);
+      const std::string_view word = type_word(type).words;
+      if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
     }
-    add(value, fmt::format("must be {}, got {}", fmt::join(words, " or "), value.excerpt()));
+    if (fitting.empty())
+      add(value, fmt::format("must be {}, got {}", fmt::join(words, " or "), value.excerpt()));
+    else if (fitting.size() == 1)
+      check(fitting[0], value);
+    else
+      check_kind(fitting, value);
+  }
+
+  // Without a type the first kind is meant.
+  void check_kind(const std::vector<Value>& kinds, const Value& value) {
+    const Value type = value["type"];
+    if (!type) return check(kinds[0], value);
+    std::vector<std::string> names, quoted_names;
+    for (const Value& kind : kinds) {
+      const Value name = kind["properties"]["type"]["enum"].at(0);
+      if (name == type) return check(kind, value);
+      names.emplace_back(name.text());
+      quoted_names.push_back(name.excerpt());
+    }
+    add(type, fmt::format("must be one of {}; got {}{}", fmt::join(quoted_names, ", "), type.excerpt(),
+                          type.type() == JsonType::kText ? did_you_mean(type.text(), names) : ""));
   }
 
   void check_range(const Value& schema, const Value& value) {

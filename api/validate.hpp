@@ -27,7 +27,7 @@ class Schema {
 // The violations of the schema by `value`, at most kMaxProblems, members sorted by key. Reads the keywords our schemas
 // use: $ref into the same schema, type, enum, minimum, maximum, minLength, maxLength, minItems, maxItems,
 // items, properties, required, maxProperties, additionalProperties, anyOf (the alternative of the value's
-// type is explained) and not (its description is the message).
+// type, for objects also of its member "type", is explained) and not (its description is the message).
 std::vector<Problem> explain(const Value& schema_root, const Value& value);
 
 // The nearest of `known` when it is near enough to be a slip of the pen, as `; did you mean "width"?`, else

@@ -18,6 +18,8 @@ ContentHash map_key(const EnvironmentMapSpec& map) {
     key.add("builtin").add(builtin->name);
   } else if (const auto* file = std::get_if<EnvironmentFile>(&map)) {
     key.add("file").add(file->bytes.hash());
+  } else if (const auto* procedural = std::get_if<ProceduralEnvironment>(&map)) {
+    key.add("procedural").add(procedural_hash(*procedural));
   } else {
     const glm::vec3 radiance = std::get<EnvironmentColor>(map).radiance;
     key.add("color").add(double(radiance.r)).add(double(radiance.g)).add(double(radiance.b));
@@ -65,6 +67,8 @@ DecodedEnvironment EnvironmentStore::decode(const EnvironmentMapSpec& map, const
       throw;
     }
   }
+  if (const auto* procedural = std::get_if<ProceduralEnvironment>(&map))
+    return {paint_environment(*procedural), {}};
   return {constant_environment(std::get<EnvironmentColor>(map).radiance), {}};
 }
 

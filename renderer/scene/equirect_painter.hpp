@@ -1,6 +1,7 @@
 // What the procedural environments share: directions, solid angles and the rounding of an equirect's texels.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -19,6 +20,9 @@ inline double round_to_half_precision(double value) {
   return scaled - (scaled - value);
 }
 
+inline constexpr Extent kEquirectExtent{1024, 512};
+inline constexpr Extent kFineEquirectExtent{2048, 1024};  // where there are edges
+
 // Directions of texel centres in the convention of ibl/baked_environment.hpp.
 struct EquirectGrid {
   Extent extent;
@@ -32,7 +36,34 @@ struct EquirectGrid {
   }
   // Exact solid angle of a texel of this row, steradians.
   double texel_sr(int row) const;
+  double elevation_rad(int row) const { return kPi / 2 - kPi * (row + 0.5) / extent.height; }
+  double elevation_deg(int row) const { return elevation_rad(row) * 180 / kPi; }
+  // From the centre of a texel to its farthest corner, at most.
+  double texel_radius_rad() const { return std::hypot(kPi / extent.height, 2 * kPi / extent.width) / 2; }
+
+  // Mean of value(direction) by 16 x 16 samples: for texels that an edge crosses.
+  template <class ValueOf>
+  double mean_over_texel(int row, int column, ValueOf&& value) const;
 };
+
+template <class ValueOf>
+double EquirectGrid::mean_over_texel(int row, int column, ValueOf&& value) const {
+  constexpr int kSide = 16;
+  std::array<double, kSide> cos_of_phi, sin_of_phi;
+  for (int j = 0; j < kSide; ++j) {
+    const double phi = 2 * kPi * ((column + (j + 0.5) / kSide) / extent.width - 0.5);
+    cos_of_phi[j] = std::cos(phi);
+    sin_of_phi[j] = std::sin(phi);
+  }
+  double sum = 0;
+  for (int i = 0; i < kSide; ++i) {
+    const double theta = kPi * (row + (i + 0.5) / kSide) / extent.height;
+    const double sin_of_theta = std::sin(theta), cos_of_theta = std::cos(theta);
+    for (int j = 0; j < kSide; ++j)
+      sum += value(glm::dvec3(sin_of_theta * cos_of_phi[j], cos_of_theta, sin_of_theta * sin_of_phi[j]));
+  }
+  return sum / (kSide * kSide);
+}
 
 // RGB kFloat32; paint(row, radiance) fills one row of a std::vector<glm::dvec3>.
 template <class PaintRow>

@@ -1,6 +1,8 @@
-#include "renderer/scene/procedural.hpp"
+#include "renderer/scene/procedural_environment.hpp"
 
 #include "renderer/scene/equirect_painter.hpp"
+#include "renderer/scene/gradient.hpp"
+#include "renderer/scene/procedural.hpp"
 #include "renderer/scene/sky.hpp"
 #include "renderer/scene/studio.hpp"
 
@@ -16,6 +18,24 @@ constexpr Extent kConstantExtent{64, 32};
 Image make_furnace() {
   return constant_environment(glm::vec3(1));
 }
+
+Image make_overcast_sky() {
+  return paint_overcast(OvercastEnvironment{});
+}
+
+Image paint_gradient(const GradientEnvironment& gradient) {
+  const EquirectGrid grid(kEquirectExtent);
+  return paint_equirect(grid.extent, [&](int row, std::vector<glm::dvec3>& radiance) {
+    std::fill(radiance.begin(), radiance.end(), gradient_radiance(gradient, grid.elevation_deg(row)));
+  });
+}
+
+struct Painter {
+  Image operator()(const GradientEnvironment& gradient) const { return paint_gradient(gradient); }
+  Image operator()(const OvercastEnvironment& overcast) const { return paint_overcast(overcast); }
+  Image operator()(const ClearSkyEnvironment& sky) const { return paint_clear_sky(sky); }
+  Image operator()(const StudioEnvironment& studio) const { return paint_studio(studio); }
+};
 
 struct Builtin {
   std::string_view name;
@@ -47,6 +67,10 @@ EquirectGrid::EquirectGrid(Extent size) : extent(size) {
 double EquirectGrid::texel_sr(int row) const {
   const double top = kPi * row / extent.height, bottom = kPi * (row + 1) / extent.height;
   return 2 * kPi / extent.width * (std::cos(top) - std::cos(bottom));
+}
+
+Image paint_environment(const ProceduralEnvironment& environment) {
+  return std::visit(Painter{}, environment);
 }
 
 std::optional<Image> builtin_environment(std::string_view name) {

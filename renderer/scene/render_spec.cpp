@@ -15,6 +15,7 @@ class CanonicalHash {
   void add(double value) { builder_.add(value); }
   void add(float value) { builder_.add(double{value}); }
   void add(const glm::vec3& v) { add_all(v.x, v.y, v.z); }
+  void add(const glm::dvec3& v) { add_all(v.x, v.y, v.z); }
   void add(const glm::vec4& v) { add_all(v.x, v.y, v.z, v.w); }
   void add(const glm::quat& q) { add_all(q.w, q.x, q.y, q.z); }
 
@@ -81,6 +82,40 @@ class CanonicalHash {
   void add(const EnvironmentColor& value) {
     const auto& [radiance] = value;
     add(radiance);
+  }
+
+  void add(const GradientStop& value) {
+    const auto& [elevation_deg, radiance] = value;
+    add_all(elevation_deg, radiance);
+  }
+
+  void add(const GradientEnvironment& value) {
+    const auto& [stops, blend] = value;
+    add_all(stops, blend);
+  }
+
+  void add(const OvercastEnvironment& value) {
+    const auto& [zenith_luminance, ground_albedo] = value;
+    add_all(zenith_luminance, ground_albedo);
+  }
+
+  void add(const ClearSkyEnvironment& value) {
+    const auto& [turbidity, ground_albedo, sun_elevation_rad, sun_azimuth_rad, sun_disc, sun_radius_rad,
+                 calibration] = value;
+    add_all(turbidity, ground_albedo, sun_elevation_rad, sun_azimuth_rad, sun_disc, sun_radius_rad,
+            calibration);
+  }
+
+  void add(const SoftBox& value) {
+    const auto& [shape, azimuth_rad, elevation_rad, roll_rad, width_rad, height_rad, color, luminance,
+                 feather, hotspot] = value;
+    add_all(shape, azimuth_rad, elevation_rad, roll_rad, width_rad, height_rad, color, luminance, feather,
+            hotspot);
+  }
+
+  void add(const StudioEnvironment& value) {
+    const auto& [room, lights] = value;
+    add_all(room, lights);
   }
 
   void add(const EnvironmentBackground& value) {
@@ -156,14 +191,23 @@ class CanonicalHash {
   HashBuilder builder_;
 };
 
+template <class T>
+ContentHash versioned_hash(std::string_view kind, const T& value) {
+  CanonicalHash hash;
+  hash.add(kind);
+  hash.add(kRenderSpecVersion);
+  hash.add(value);
+  return hash.finish();
+}
+
 }  // namespace
 
 ContentHash spec_hash(const RenderSpec& spec) {
-  CanonicalHash hash;
-  hash.add(std::string_view("furnace render spec"));
-  hash.add(kRenderSpecVersion);
-  hash.add(spec);
-  return hash.finish();
+  return versioned_hash("furnace render spec", spec);
+}
+
+ContentHash procedural_hash(const ProceduralEnvironment& environment) {
+  return versioned_hash("furnace procedural environment", environment);
 }
 
 }  // namespace furnace

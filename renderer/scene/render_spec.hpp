@@ -15,6 +15,7 @@
 #include "renderer/image/image.hpp"
 #include "renderer/scene/gltf_import.hpp"
 #include "renderer/scene/material.hpp"
+#include "renderer/scene/procedural_environment.hpp"
 
 namespace furnace {
 
@@ -57,7 +58,8 @@ struct EnvironmentColor {
   glm::vec3 radiance{1};
 };
 
-using EnvironmentMapSpec = std::variant<BuiltinName, EnvironmentFile, EnvironmentColor>;
+using EnvironmentMapSpec =
+    std::variant<BuiltinName, EnvironmentFile, EnvironmentColor, ProceduralEnvironment>;
 
 // What is seen behind the scene. Colours are linear radiance as shown, that is after exposure.
 struct EnvironmentBackground {
@@ -154,5 +156,7 @@ inline constexpr int kRenderSpecVersion = 2;
 // Hash of the canonical form: equal for two specs that describe the same picture, whatever JSON they came
 // from.
 ContentHash spec_hash(const RenderSpec& spec);
+// Of a part: equal for two descriptions of the same environment.
+ContentHash procedural_hash(const ProceduralEnvironment& environment);
 
 }  // namespace furnace

@@ -1,7 +1,7 @@
 #include "renderer/scene/sky.hpp"
 
+#include "renderer/scene/atmosphere.hpp"
 #include "renderer/scene/equirect_painter.hpp"
-#include "renderer/scene/transform.hpp"
 #include "renderer/image/color.hpp"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace furnace {
 namespace {
 
-constexpr double kGroundAlbedo = 0.2;
+using Row = std::vector<glm::dvec3>;
 
 // --- Overcast
 // -------------------------------------------------------------------------------------------------------
@@ -25,8 +25,8 @@ double overcast_sky(double sin_elevation) {
 // Its horizontal irradiance over pi, in units of the zenith's radiance: integrate the above times the sine.
 constexpr double kOvercastIrradiance = 7.0 / 9;
 
-// --- Clear
-// ----------------------------------------------------------------------------------------------------------
+// --- Clear, after Preetham
+// ---------------------------------------------------------------------------------------------------------
 
 constexpr double kTurbidity = 2.2;  // clean, dry air
 constexpr double kSunElevation = radians_from_degrees(45);
@@ -113,24 +113,7 @@ glm::dvec3 sun_irradiance() {
   return illuminance / luminance_rec709(color.r, color.g, color.b) * color;
 }
 
-// Part of a texel that the sun's disc covers, by 16 x 16 samples.
-double sun_coverage(const EquirectGrid& grid, int row, int column, const glm::dvec3& sun) {
-  constexpr int kSide = 16;
-  const double cos_radius = std::cos(kSunRadius);
-  int covered = 0;
-  for (int i = 0; i < kSide * kSide; ++i) {
-    const double theta = kPi * (row + (i / kSide + 0.5) / kSide) / grid.extent.height;
-    const double phi = 2 * kPi * ((column + (i % kSide + 0.5) / kSide) / grid.extent.width - 0.5);
-    const glm::dvec3 direction(std::sin(theta) * std::cos(phi), std::cos(theta),
-                               std::sin(theta) * std::sin(phi));
-    covered += glm::dot(direction, sun) > cos_radius;
-  }
-  return covered / double(kSide * kSide);
-}
-
-using Row = std::vector<glm::dvec3>;
-
-std::vector<Row> clear_dome(const EquirectGrid& grid) {
+std::vector<Row> preetham_dome(const EquirectGrid& grid) {
   const PreethamSky sky;
   const glm::dvec3 sun = direction_of(kSunAzimuth, kSunElevation);
   std::vector<Row> dome(grid.extent.height / 2, Row(grid.extent.width));
@@ -142,26 +125,88 @@ std::vector<Row> clear_dome(const EquirectGrid& grid) {
   return dome;
 }
 
+// --- Clear, by scattering
+// ---------------------------------------------------------------------------------------------------------
+
+// A sky that an atmosphere makes, texel by texel.
+class ScatteredSky {
+ public:
+  ScatteredSky(const EquirectGrid& grid, const Atmosphere& atmosphere, const ClearSkyEnvironment& sky)
+      : grid_(grid), atmosphere_(atmosphere), sun_(direction_of(sky.sun_azimuth_rad, sky.sun_elevation_rad)) {
+    for (int column = 0; column < grid.extent.width; ++column) {
+      const double azimuth = std::atan2(grid.cos_phi[column], grid.sin_phi[column]);
+      azimuth_from_sun_.push_back(std::abs(std::remainder(azimuth - sky.sun_azimuth_rad, 2 * kPi)));
+    }
+  }
+
+  // Luminance; below the horizon that of the haze in front of the ground.
+  void paint(int row, Row& luminance) const {
+    const Atmosphere::Ring ring = atmosphere_.ring(std::max(0.0, grid_.elevation_rad(row)));
+    for (int column = 0; column < grid_.extent.width; ++column)
+      luminance[column] =
+          glm::max(glm::dvec3(0), Atmosphere::luminance(ring, azimuth_from_sun_[column],
+                                                        glm::dot(grid_.direction(row, column), sun_)));
+  }
+
+ private:
+  const EquirectGrid& grid_;
+  const Atmosphere& atmosphere_;
+  glm::dvec3 sun_;
+  std::vector<double> azimuth_from_sun_;
+};
+
+// White of daylight film: CIE illuminant D55, x = 0.33242, y = 0.34743 (CIE 15:2004), in linear Rec.709.
+constexpr glm::dvec3 kDaylight(1.1041, 0.9869, 0.8232);
+
+// --- The sun
+// ---------------------------------------------------------------------------------------------------------
+
+struct Disc {
+  glm::dvec3 direction;
+  double radius_rad;
+};
+
 // Shares the sun's irradiance out among the texels that its disc covers; none is lost, whatever the
-// resolution.
-void add_sun(const EquirectGrid& grid, std::vector<Row>& dome) {
+// resolution, but what stands below the horizon. irradiance(elevation) is that of the whole disc, if all of it
+// stood there.
+template <class Irradiance>
+void add_sun(const EquirectGrid& grid, const Disc& disc, Irradiance&& irradiance, std::vector<Row>& dome) {
   struct Texel {
     int row, column;
     double coverage;
   };
-  const glm::dvec3 sun = direction_of(kSunAzimuth, kSunElevation);
-  // Nearer than the disc's radius and a texel's diagonal.
-  const double cos_reach = std::cos(kSunRadius + 3 * kPi / grid.extent.height);
-  std::vector<Texel> disc;
+  const double cos_radius = std::cos(disc.radius_rad);
+  const double cos_reach = std::cos(disc.radius_rad + grid.texel_radius_rad());
+  const double cos_inside = std::cos(std::max(0.0, disc.radius_rad - grid.texel_radius_rad()));
+  std::vector<Texel> texels;
   double disc_sr = 0;
-  for (int row = 0; row < int(dome.size()); ++row)
+  for (int row = 0; row < grid.extent.height; ++row)
     for (int column = 0; column < grid.extent.width; ++column) {
-      if (glm::dot(grid.direction(row, column), sun) < cos_reach) continue;
-      disc.push_back({row, column, sun_coverage(grid, row, column, sun)});
-      disc_sr += disc.back().coverage * grid.texel_sr(row);
+      const double cos_angle = glm::dot(grid.direction(row, column), disc.direction);
+      if (cos_angle < cos_reach) continue;
+      const double coverage =
+          cos_angle > cos_inside ? 1 : grid.mean_over_texel(row, column, [&](const glm::dvec3& direction) {
+            return glm::dot(direction, disc.direction) > cos_radius ? 1.0 : 0.0;
+          });
+      texels.push_back({row, column, coverage});
+      disc_sr += coverage * grid.texel_sr(row);
     }
-  for (const Texel& texel : disc)
-    dome[texel.row][texel.column] += sun_irradiance() * (texel.coverage / disc_sr);
+  for (const Texel& texel : texels)
+    if (texel.row < int(dome.size()))
+      dome[texel.row][texel.column] += irradiance(grid.elevation_rad(texel.row)) * (texel.coverage / disc_sr);
+}
+
+// Gershun 1939, "The light field": the light vector, as long as the irradiance is of a card that faces the light
+// less that of its back.
+double luminous_flux_density(const EquirectGrid& grid, const std::vector<Row>& dome) {
+  glm::dvec3 vector(0);
+  for (std::size_t row = 0; row < dome.size(); ++row)
+    for (int column = 0; column < grid.extent.width; ++column) {
+      const glm::dvec3& radiance = dome[row][column];
+      vector += grid.texel_sr(int(row)) * luminance_rec709(radiance.r, radiance.g, radiance.b) *
+                grid.direction(int(row), column);
+    }
+  return glm::length(vector);
 }
 
 glm::dvec3 horizontal_irradiance(const EquirectGrid& grid, const std::vector<Row>& dome) {
@@ -177,44 +222,81 @@ glm::dvec3 horizontal_irradiance(const EquirectGrid& grid, const std::vector<Row
 // ---------------------------------------------------------------------------------------------------------
 
 // A Lambertian plain that fades into the horizon's haze. Koschmieder 1924, "Theorie der horizontalen
-// Sichtweite": light from the ground fades as exp(-distance), air light takes its place.
-glm::dvec3 ground(double sin_elevation, const glm::dvec3& plain, const glm::dvec3& horizon) {
-  constexpr double kEyeHeight = 0.025;  // in units of the distance at which 1/e of an object's light is left
-  const double clear = std::exp(kEyeHeight / sin_elevation);
-  return glm::mix(horizon, plain, clear);
+// Sichtweite": light from the ground fades as exp(-distance), air light takes its place. Eye height in units of
+// the distance at which 1/e of an object's light is left.
+constexpr double kHighEye = 0.025, kLowEye = 0.004;
+
+glm::dvec3 ground(double sin_elevation, double eye_height, const glm::dvec3& plain,
+                  const glm::dvec3& horizon) {
+  return glm::mix(horizon, plain, std::exp(eye_height / sin_elevation));
 }
 
 }  // namespace
 
-Image make_overcast_sky() {
+Image paint_overcast(const OvercastEnvironment& overcast) {
   const EquirectGrid grid({256, 128});
-  const double zenith = 1 / kOvercastIrradiance;
-  const glm::dvec3 plain(kGroundAlbedo), horizon(zenith * overcast_sky(0));
+  const double zenith = overcast.zenith_luminance;
+  const glm::dvec3 plain(overcast.ground_albedo * zenith * kOvercastIrradiance),
+      horizon(zenith * overcast_sky(0));
   return paint_equirect(grid.extent, [&](int row, Row& radiance) {
     const double sin_elevation = grid.cos_theta[row];
     const glm::dvec3 level = sin_elevation > 0 ? glm::dvec3(zenith * overcast_sky(sin_elevation))
-                                               : ground(sin_elevation, plain, horizon);
+                                               : ground(sin_elevation, kHighEye, plain, horizon);
     std::fill(radiance.begin(), radiance.end(), level);
   });
 }
 
-// Steps: the dome in physical units, the sun's disc into it, the exposure and white balance that make its
-// horizontal irradiance pi in every channel (as a camera set to a white card would), then the ground under
+// Steps: the dome in physical units, the sun's disc into it, white balance and exposure, then the ground under
 // it.
-Image make_clear_sky() {
-  const EquirectGrid grid({1024, 512});
-  std::vector<Row> dome = clear_dome(grid);
-  add_sun(grid, dome);
-  const glm::dvec3 balance = kPi / horizontal_irradiance(grid, dome);
+Image paint_clear_sky(const ClearSkyEnvironment& sky) {
+  const Atmosphere atmosphere(sky.turbidity, sky.ground_albedo, sky.sun_elevation_rad);
+  const EquirectGrid grid(sky.sun_disc ? kFineEquirectExtent : kEquirectExtent);
+  const ScatteredSky scattered(grid, atmosphere, sky);
+  std::vector<Row> dome(grid.extent.height / 2, Row(grid.extent.width));
+  for (std::size_t row = 0; row < dome.size(); ++row) scattered.paint(int(row), dome[row]);
+  const Disc disc{direction_of(sky.sun_azimuth_rad, sky.sun_elevation_rad), sky.sun_radius_rad};
+  const auto sun = [&](double elevation_rad) {
+    return glm::max(glm::dvec3(0), atmosphere.sun_illuminance(elevation_rad));
+  };
+  if (sky.sun_disc) add_sun(grid, disc, sun, dome);
 
-  const int horizon_row = int(dome.size());
+  glm::dvec3 gain(1);
+  if (sky.calibration == SkyCalibration::kWhiteCard) {
+    gain = 1.0 / kDaylight;
+    for (Row& row : dome)
+      for (glm::dvec3& radiance : row) radiance *= gain;
+    const double exposure = kPi / luminous_flux_density(grid, dome);
+    for (Row& row : dome)
+      for (glm::dvec3& radiance : row) radiance *= exposure;
+    gain *= exposure;
+  }
+  const glm::dvec3 plain = sky.ground_albedo / kPi * horizontal_irradiance(grid, dome);
   return paint_equirect(grid.extent, [&](int row, Row& radiance) {
-    const Row& sky = dome[std::min(row, horizon_row - 1)];
-    for (int column = 0; column < grid.extent.width; ++column) {
-      const glm::dvec3 light = balance * sky[column];
-      radiance[column] =
-          row < horizon_row ? light : ground(grid.cos_theta[row], glm::dvec3(kGroundAlbedo), light);
+    if (row < int(dome.size())) {
+      radiance = dome[row];
+      return;
     }
+    scattered.paint(row, radiance);
+    for (glm::dvec3& texel : radiance) texel = ground(grid.cos_theta[row], kLowEye, plain, gain * texel);
+  });
+}
+
+// Steps as there, but the white balance and exposure make the horizontal irradiance pi in every channel.
+Image make_clear_sky() {
+  constexpr double kGroundAlbedo = 0.2;
+  const EquirectGrid grid(kEquirectExtent);
+  std::vector<Row> dome = preetham_dome(grid);
+  const Row haze = dome.back();
+  const glm::dvec3 sun = sun_irradiance();
+  add_sun(
+      grid, {direction_of(kSunAzimuth, kSunElevation), kSunRadius}, [&](double) { return sun; }, dome);
+  const glm::dvec3 balance = kPi / horizontal_irradiance(grid, dome);
+  return paint_equirect(grid.extent, [&](int row, Row& radiance) {
+    const bool above = row < int(dome.size());
+    for (int column = 0; column < grid.extent.width; ++column)
+      radiance[column] =
+          above ? balance * dome[row][column]
+                : ground(grid.cos_theta[row], kHighEye, glm::dvec3(kGroundAlbedo), balance * haze[column]);
   });
 }
 

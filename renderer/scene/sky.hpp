@@ -1,12 +1,16 @@
-// Standard skies over a plain of albedo 0.2: overcast after CIE, clear after Preetham with a sun of true
-// size.
+// Standard skies over a plain: overcast after CIE, clear by scattering, clear after Preetham.
 #pragma once
 
 #include "renderer/image/image.hpp"
+#include "renderer/scene/procedural_environment.hpp"
 
 namespace furnace {
 
-Image make_overcast_sky();  // 256 x 128; horizontal irradiance pi
-Image make_clear_sky();     // 1024 x 512; horizontal irradiance pi in each channel, sun included
+Image paint_overcast(const OvercastEnvironment& overcast);  // 256 x 128
+Image paint_clear_sky(const ClearSkyEnvironment& sky);
+
+// Preetham's sky, with a sun of true size at 45 degrees: 1024 x 512; horizontal irradiance pi in each channel,
+// sun included.
+Image make_clear_sky();
 
 }  // namespace furnace

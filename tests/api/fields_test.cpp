@@ -63,6 +63,32 @@ TEST(Fields, DefaultInTheSchemaIsWhatAbsenceMeans) {
   EXPECT_EQ(hash_of(R"({"scene":)" + json_text(scene) + "}"), hash_of("{}"));
 }
 
+// Lists and objects are no fields, so their defaults are compared here.
+TEST(Fields, DefaultsOfListsAreWhatAbsenceMeans) {
+  const Value definitions = request_schema().document().root()["$defs"];
+  const auto map_hash = [](const std::string& members) {
+    return hash_of(R"({"environment":{"map":{)" + members + "}}}");
+  };
+  const std::string gradient = R"("type":"gradient")", studio = R"("type":"studio")";
+  const std::string stops = json_text(definitions["gradientEnvironment"]["properties"]["stops"]["default"]);
+  EXPECT_EQ(map_hash(gradient), map_hash(gradient + R"(,"stops":)" + stops));
+  for (const char* key : {"lights", "room"}) {
+    const Value value = definitions["studioEnvironment"]["properties"][key]["default"];
+    EXPECT_EQ(map_hash(studio), map_hash(studio + ",\"" + key + "\":" + json_text(value))) << key;
+  }
+}
+
+TEST(Fields, KindsOfEnvironmentsDiffer) {
+  std::set<std::string> hashes;
+  const std::vector<std::string> maps = {R"({"color":[1,1,1]})", R"({"type":"gradient"})",
+                                         R"({"type":"overcast"})", R"({"type":"clear-sky"})",
+                                         R"({"type":"studio"})"};
+  for (const std::string& map : maps) hashes.insert(hash_of(R"({"environment":{"map":)" + map + "}}").hex());
+  EXPECT_EQ(hashes.size(), maps.size());
+  EXPECT_EQ(hash_of(R"({"environment":{"map":{"color":[1,2,3]}}})"),
+            hash_of(R"({"environment":{"map":{"type":"color","color":[1,2,3]}}})"));
+}
+
 // What the schema's author could forget: a leaf that neither has a default nor needs none.
 TEST(Fields, OnlyOptionalThingsHaveNoDefault) {
   for (const Leaf& leaf : schema_leaves()) {
@@ -70,12 +96,16 @@ TEST(Fields, OnlyOptionalThingsHaveNoDefault) {
     const bool needs_none =
         leaf.path.starts_with("/scene/materials") || leaf.path == "/scene/model" ||
         leaf.path == "/scene/gltfScene" || leaf.path == "/scene/nodes/mesh" ||
-        leaf.path == "/scene/nodes/material" || leaf.path.ends_with("/map/color") ||
+        leaf.path == "/scene/nodes/material" || leaf.path == "/map:color/color" ||
+        leaf.path.ends_with("/stops/color") || leaf.path.ends_with("/stops/elevationDegrees") ||
+        leaf.path == "/map:clear-sky/dateTime" || leaf.path == "/map:clear-sky/latitudeDegrees" ||
+        leaf.path == "/map:clear-sky/longitudeDegrees" || leaf.path == "/camera/lookAt/eye" ||
+
         leaf.path == "/environment/background/map" ||
         leaf.path == "/environment/background/rotationDegrees" ||
         leaf.path == "/environment/illuminanceLux" || leaf.path == "/environment/ground/levelMetres" ||
-        leaf.path == "/environment/ground/projection/radiusMetres" || leaf.path == "/camera/lookAt/eye" ||
-        leaf.path == "/camera/gltf" || leaf.path == "/output/samples";
+        leaf.path == "/environment/ground/projection/radiusMetres" || leaf.path == "/camera/gltf" ||
+        leaf.path == "/output/samples";
     EXPECT_NE(stated, needs_none) << leaf.path;
   }
 }

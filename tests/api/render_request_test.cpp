@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "api/problem.hpp"
@@ -92,6 +93,45 @@ TEST(RenderRequest, EnvironmentIsBuiltInFileOrColor) {
   EXPECT_EQ(std::get<EnvironmentColor>(parse(R"({"environment":{"map":{"color":[1,2,3]}}})").environment.map)
                 .radiance,
             glm::vec3(1, 2, 3));
+}
+
+template <class T>
+T procedural(const std::string& members) {
+  const RenderSpec spec = parse(R"({"environment":{"map":{)" + members + "}}}");
+  return std::get<T>(std::get<ProceduralEnvironment>(spec.environment.map));
+}
+
+TEST(RenderRequest, EnvironmentIsDescribedByItsKind) {
+  const auto gradient = procedural<GradientEnvironment>(
+      R"("type":"gradient","stops":[{"elevationDegrees":-10,"color":[1,2,3]},{"elevationDegrees":5,"color":[4,5,6]}])");
+  ASSERT_EQ(gradient.stops.size(), 2u);
+  EXPECT_EQ(gradient.stops[1].elevation_deg, 5);
+  EXPECT_EQ(gradient.stops[1].radiance, glm::dvec3(4, 5, 6));
+  EXPECT_EQ(procedural<OvercastEnvironment>(R"("type":"overcast","zenithLuminance":7)").zenith_luminance, 7);
+  const auto studio = procedural<StudioEnvironment>(
+      R"("type":"studio","lights":[{},{"shape":"disc","rollDegrees":90,"widthDegrees":60,"luminance":2}])");
+  ASSERT_EQ(studio.lights.size(), 2u);
+  EXPECT_EQ(studio.lights[1].shape, LightShape::kDisc);
+  EXPECT_DOUBLE_EQ(studio.lights[1].roll_rad, std::numbers::pi / 2);
+  EXPECT_DOUBLE_EQ(studio.lights[1].width_rad, std::numbers::pi / 3);
+  EXPECT_EQ(studio.lights[1].luminance, 2);
+}
+
+// At the equinox on the equator; the equation of time is 7.5 minutes, 2 degrees.
+TEST(RenderRequest, SunOfADateStandsInItsQuarterOfTheWorld) {
+  const auto sun = [](const std::string& time, const std::string& more = "") {
+    const auto sky = procedural<ClearSkyEnvironment>(
+        R"("type":"clear-sky","latitudeDegrees":40,"longitudeDegrees":0,"dateTime":"2026-03-20T)" + time +
+        "\"" + more);
+    return glm::dvec3(std::sin(sky.sun_azimuth_rad) * std::cos(sky.sun_elevation_rad),
+                      std::sin(sky.sun_elevation_rad),
+                      std::cos(sky.sun_azimuth_rad) * std::cos(sky.sun_elevation_rad));
+  };
+  EXPECT_GT(sun("06:15:00Z").x, 0.99) << "east is +X";
+  EXPECT_LT(sun("18:00:00Z").x, -0.99) << "west is -X";
+  EXPECT_NEAR(sun("12:07:30Z").z, std::sin(40 * std::numbers::pi / 180), 0.01) << "south is +Z";
+  EXPECT_NEAR(sun("12:07:30Z").y, std::cos(40 * std::numbers::pi / 180), 0.01);
+  EXPECT_GT(sun("06:15:00Z", R"(,"northDegrees":90)").z, 0.99) << "with north at +X, east is +Z";
 }
 
 TEST(RenderRequest, CamerasAreOneOfThree) {

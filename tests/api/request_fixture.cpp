@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 
@@ -43,15 +44,79 @@ constexpr FieldRow kFieldRows[] = {
     {"/scene/materials/doubleSided", R"({"scene":{"materials":{"m":{"doubleSided":@}}}})", "true", "false"},
     {"/scene/materials/unlit", R"({"scene":{"materials":{"m":{"unlit":@}}}})", "true", "false"},
     {"/environment/map", R"({"environment":{"map":@}})", R"("builtin:furnace")", R"("part:sky.hdr")"},
-    {"/environment/map/color", R"({"environment":{"map":{"color":@}}})", "[1,1,1]", "[1,1,2]"},
+    {"/map:color/color", R"({"environment":{"map":{"color":@}}})", "[1,1,1]", "[1,1,2]"},
+    {"/map:gradient/stops/elevationDegrees",
+     R"({"environment":{"map":{"type":"gradient","stops":[{"color":[1,1,1],"elevationDegrees":@},{"elevationDegrees":90,"color":[2,2,2]}]}}})",
+     "0", "10"},
+    {"/map:gradient/stops/color",
+     R"({"environment":{"map":{"type":"gradient","stops":[{"elevationDegrees":0,"color":@},{"elevationDegrees":90,"color":[2,2,2]}]}}})",
+     "[1,1,1]", "[1,0,1]"},
+    {"/map:gradient/interpolation", R"({"environment":{"map":{"type":"gradient","interpolation":@}}})",
+     R"("linear")", R"("smooth")"},
+    {"/map:overcast/zenithLuminance", R"({"environment":{"map":{"type":"overcast","zenithLuminance":@}}})",
+     "1", "2"},
+    {"/map:overcast/groundAlbedo", R"({"environment":{"map":{"type":"overcast","groundAlbedo":@}}})", "0",
+     "1"},
+    {"/map:clear-sky/turbidity", R"({"environment":{"map":{"type":"clear-sky","turbidity":@}}})", "2", "3"},
+    {"/map:clear-sky/groundAlbedo", R"({"environment":{"map":{"type":"clear-sky","groundAlbedo":@}}})", "0",
+     "1"},
+    {"/map:clear-sky/elevationDegrees",
+     R"({"environment":{"map":{"type":"clear-sky","elevationDegrees":@}}})", "10", "20"},
+    {"/map:clear-sky/azimuthDegrees", R"({"environment":{"map":{"type":"clear-sky","azimuthDegrees":@}}})",
+     "10", "20"},
+    {"/map:clear-sky/sunDisc", R"({"environment":{"map":{"type":"clear-sky","sunDisc":@}}})", "true",
+     "false"},
+    {"/map:clear-sky/sunRadiusDegrees",
+     R"({"environment":{"map":{"type":"clear-sky","sunRadiusDegrees":@}}})", "1", "2"},
+    {"/map:clear-sky/calibration", R"({"environment":{"map":{"type":"clear-sky","calibration":@}}})",
+     R"("white-card")", R"("physical")"},
+    {"/map:clear-sky/dateTime",
+     R"({"environment":{"map":{"type":"clear-sky","latitudeDegrees":0,"longitudeDegrees":0,"dateTime":@}}})",
+     R"("2026-03-20T12:00Z")", R"("2026-03-20T13:00Z")"},
+    {"/map:clear-sky/latitudeDegrees",
+     R"({"environment":{"map":{"type":"clear-sky","dateTime":"2026-03-20T12:00:00Z","longitudeDegrees":0,"latitudeDegrees":@}}})",
+     "10", "20"},
+    {"/map:clear-sky/longitudeDegrees",
+     R"({"environment":{"map":{"type":"clear-sky","dateTime":"2026-03-20T12:00:00Z","latitudeDegrees":86,"longitudeDegrees":@}}})",
+     "10", "20"},
+    {"/map:clear-sky/northDegrees",
+     R"({"environment":{"map":{"type":"clear-sky","dateTime":"2026-03-20T12:00:00Z","latitudeDegrees":10,"longitudeDegrees":0,"northDegrees":@}}})",
+     "10", "20"},
+    {"/map:studio/lights/shape", R"({"environment":{"map":{"type":"studio","lights":[{"shape":@}]}}})",
+     R"("rectangle")", R"("disc")"},
+    {"/map:studio/lights/azimuthDegrees",
+     R"({"environment":{"map":{"type":"studio","lights":[{"azimuthDegrees":@}]}}})", "10", "20"},
+    {"/map:studio/lights/elevationDegrees",
+     R"({"environment":{"map":{"type":"studio","lights":[{"elevationDegrees":@}]}}})", "10", "20"},
+    {"/map:studio/lights/rollDegrees",
+     R"({"environment":{"map":{"type":"studio","lights":[{"rollDegrees":@}]}}})", "10", "20"},
+    {"/map:studio/lights/widthDegrees",
+     R"({"environment":{"map":{"type":"studio","lights":[{"widthDegrees":@}]}}})", "10", "20"},
+    {"/map:studio/lights/heightDegrees",
+     R"({"environment":{"map":{"type":"studio","lights":[{"heightDegrees":@}]}}})", "10", "20"},
+    {"/map:studio/lights/color", R"({"environment":{"map":{"type":"studio","lights":[{"color":@}]}}})",
+     "[1,1,1]", "[1,0,1]"},
+    {"/map:studio/lights/luminance",
+     R"({"environment":{"map":{"type":"studio","lights":[{"luminance":@}]}}})", "1", "2"},
+    {"/map:studio/lights/feather", R"({"environment":{"map":{"type":"studio","lights":[{"feather":@}]}}})",
+     "0", "1"},
+    {"/map:studio/lights/hotspot", R"({"environment":{"map":{"type":"studio","lights":[{"hotspot":@}]}}})",
+     "1", "2"},
+    {"/map:studio/room/stops/elevationDegrees",
+     R"({"environment":{"map":{"type":"studio","room":{"stops":[{"color":[1,1,1],"elevationDegrees":@},{"elevationDegrees":90,"color":[2,2,2]}]}}}})",
+     "0", "10"},
+    {"/map:studio/room/stops/color",
+     R"({"environment":{"map":{"type":"studio","room":{"stops":[{"elevationDegrees":0,"color":@},{"elevationDegrees":90,"color":[2,2,2]}]}}}})",
+     "[1,1,1]", "[1,0,1]"},
+    {"/map:studio/room/interpolation",
+     R"({"environment":{"map":{"type":"studio","room":{"stops":[{"elevationDegrees":0,"color":[1,1,1]},{"elevationDegrees":90,"color":[2,2,2]}],"interpolation":@}}}})",
+     R"("linear")", R"("smooth")"},
     {"/environment/rotationDegrees", R"({"environment":{"rotationDegrees":@}})", "0", "90"},
     {"/environment/intensity", R"({"environment":{"intensity":@}})", "1", "2"},
     {"/environment/illuminanceLux", R"({"environment":{"illuminanceLux":@}})", "1000", "2000"},
     {"/environment/sun", R"({"environment":{"sun":@}})", R"("keep")", R"("extract")"},
     {"/environment/background/map", R"({"environment":{"background":{"map":@}}})", R"("builtin:clear-sky")",
      R"("part:sky.hdr")"},
-    {"/environment/background/map/color", R"({"environment":{"background":{"map":{"color":@}}}})", "[1,1,1]",
-     "[1,1,0]"},
     {"/environment/background/rotationDegrees", R"({"environment":{"background":{"rotationDegrees":@}}})",
      "0", "30"},
     {"/environment/background/intensity", R"({"environment":{"background":{"intensity":@}}})", "1", "0.5"},
@@ -98,12 +163,26 @@ Value resolve(const Value& schema) {
   return resolve(request_schema().document().root()["$defs"][name]);
 }
 
+void collect_leaves(const Value& declared, const std::string& path, std::vector<Leaf>& leaves);
+
+// One kind of several, told apart by "type", which alone says nothing. Wherever the kinds may stand they are
+// the same, so their place is left out and each is collected once.
+void collect_kind(const Value& kind, const std::string& path, std::vector<Leaf>& leaves) {
+  const auto is_below = [&](const Leaf& leaf) { return leaf.path.starts_with(path + "/"); };
+  if (std::any_of(leaves.begin(), leaves.end(), is_below)) return;
+  for (const auto& [key, property] : kind["properties"].members())
+    if (key != "type") collect_leaves(property, path + "/" + key, leaves);
+}
+
 void collect_leaves(const Value& declared, const std::string& path, std::vector<Leaf>& leaves) {
   const Value schema = resolve(declared);
   if (const Value alternatives = schema["anyOf"]) {
     for (std::size_t i = 0; i < alternatives.size(); ++i) {
-      const bool is_object = resolve(alternatives.at(i))["type"].text() == "object";
-      if (is_object)
+      const Value alternative = resolve(alternatives.at(i));
+      if (const Value kind = alternative["properties"]["type"]["enum"])
+        collect_kind(alternative, path.substr(path.rfind('/')) + ":" + std::string(kind.at(0).text()),
+                     leaves);
+      else if (alternative["type"].text() == "object")
         collect_leaves(alternatives.at(i), path, leaves);
       else if (leaves.empty() || leaves.back().path != path)
         leaves.push_back({path, declared, schema});

@@ -80,6 +80,17 @@ TEST_F(ClosedFormGlTest, ExposureIsAPowerOfTwo) {
   EXPECT_EQ(pixel(render(spec), 32, 32), glm::vec3(2));
 }
 
+// One radiance everywhere, told by two stops: what is baked for one description must not serve another.
+TEST_F(ClosedFormGlTest, DescribedEnvironmentsAreToldApartByTheCaches) {
+  RenderSpec spec = spec_of("sphere", {}, glm::vec3(0));
+  for (const float radiance : {1.f, 2.f, 0.5f, 1.f}) {
+    GradientEnvironment gradient;
+    gradient.stops = {{-90, glm::dvec3(radiance)}, {90, glm::dvec3(radiance)}};
+    spec.environment.map = ProceduralEnvironment(gradient);
+    EXPECT_NEAR(pixel(render(spec), 1, 1).g, radiance, 1e-3f * radiance);
+  }
+}
+
 TEST_F(ClosedFormGlTest, IntensityScalesLightAndBackground) {
   MaterialOverride material;
   material.base_color = glm::vec4(1);

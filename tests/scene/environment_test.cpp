@@ -1,7 +1,7 @@
 #include "renderer/scene/procedural.hpp"
 
-#include "renderer/scene/transform.hpp"
 #include "renderer/base/content_hash.hpp"
+#include "tests/scene/equirect_sums.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,34 +12,6 @@
 
 namespace furnace {
 namespace {
-
-glm::dvec3 direction(const Image& image, double row, double column) {
-  const double theta = kPi * (row + 0.5) / image.extent.height;
-  const double phi = 2 * kPi * ((column + 0.5) / image.extent.width - 0.5);
-  return {std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
-}
-
-// Sums visit(direction) * radiance * solid angle over all texels.
-template <class Weight>
-glm::dvec3 integrate(const Image& image, Weight&& weight) {
-  glm::dvec3 sum(0);
-  const auto samples = image.samples<float>();
-  for (int row = 0; row < image.extent.height; ++row) {
-    const double texel_sr =
-        2 * kPi / image.extent.width *
-        (std::cos(kPi * row / image.extent.height) - std::cos(kPi * (row + 1) / image.extent.height));
-    for (int column = 0; column < image.extent.width; ++column) {
-      const float* rgb = &samples[3 * (std::size_t(row) * image.extent.width + column)];
-      sum += texel_sr * weight(direction(image, row, column)) * glm::dvec3(rgb[0], rgb[1], rgb[2]);
-    }
-  }
-  return sum;
-}
-
-// What a white Lambert surface with this normal shows.
-glm::dvec3 irradiance_over_pi(const Image& image, const glm::dvec3& normal) {
-  return integrate(image, [&](const glm::dvec3& d) { return std::max(0.0, glm::dot(d, normal)) / kPi; });
-}
 
 double peak(const Image& image) {
   double result = 0;

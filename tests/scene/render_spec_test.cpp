@@ -63,6 +63,13 @@ LookAtCamera& look(RenderSpec& spec) {
   return std::get<LookAtCamera>(spec.camera.view);
 }
 
+template <class T>
+T& map(RenderSpec& spec) {
+  auto* procedural = std::get_if<ProceduralEnvironment>(&spec.environment.map);
+  if (procedural == nullptr) procedural = &spec.environment.map.emplace<ProceduralEnvironment>();
+  return std::holds_alternative<T>(*procedural) ? std::get<T>(*procedural) : procedural->emplace<T>();
+}
+
 const std::vector<Mutation> kMutations = {
     {"nothing", [](RenderSpec&) {}},
     {"model", [](RenderSpec& s) { s.scene.model = model_of(2); }},
@@ -121,6 +128,36 @@ const std::vector<Mutation> kMutations = {
      [](RenderSpec& s) {
        s.environment.map = EnvironmentColor{{1, 1, 0.5f}};
      }},
+    {"gradient", [](RenderSpec& s) { map<GradientEnvironment>(s); }},
+    {"gradient stop", [](RenderSpec& s) { map<GradientEnvironment>(s).stops[0].elevation_deg = -80; }},
+    {"gradient stop radiance", [](RenderSpec& s) { map<GradientEnvironment>(s).stops[0].radiance.b = 9; }},
+    {"gradient stop less", [](RenderSpec& s) { map<GradientEnvironment>(s).stops.pop_back(); }},
+    {"gradient blend", [](RenderSpec& s) { map<GradientEnvironment>(s).blend = GradientBlend::kSmooth; }},
+    {"overcast", [](RenderSpec& s) { map<OvercastEnvironment>(s); }},
+    {"zenith luminance", [](RenderSpec& s) { map<OvercastEnvironment>(s).zenith_luminance = 9; }},
+    {"ground albedo of overcast", [](RenderSpec& s) { map<OvercastEnvironment>(s).ground_albedo = 0.9; }},
+    {"clear sky", [](RenderSpec& s) { map<ClearSkyEnvironment>(s); }},
+    {"turbidity", [](RenderSpec& s) { map<ClearSkyEnvironment>(s).turbidity = 9; }},
+    {"ground albedo of clear sky", [](RenderSpec& s) { map<ClearSkyEnvironment>(s).ground_albedo = 0.9; }},
+    {"sun elevation", [](RenderSpec& s) { map<ClearSkyEnvironment>(s).sun_elevation_rad = 1; }},
+    {"sun azimuth", [](RenderSpec& s) { map<ClearSkyEnvironment>(s).sun_azimuth_rad = 1; }},
+    {"sun disc", [](RenderSpec& s) { map<ClearSkyEnvironment>(s).sun_disc = false; }},
+    {"sun radius", [](RenderSpec& s) { map<ClearSkyEnvironment>(s).sun_radius_rad = 0.02; }},
+    {"calibration",
+     [](RenderSpec& s) { map<ClearSkyEnvironment>(s).calibration = SkyCalibration::kPhysical; }},
+    {"studio", [](RenderSpec& s) { map<StudioEnvironment>(s); }},
+    {"studio room", [](RenderSpec& s) { map<StudioEnvironment>(s).room.stops[0].elevation_deg = -80; }},
+    {"second light", [](RenderSpec& s) { map<StudioEnvironment>(s).lights.emplace_back(); }},
+    {"light shape", [](RenderSpec& s) { map<StudioEnvironment>(s).lights[0].shape = LightShape::kDisc; }},
+    {"light azimuth_rad", [](RenderSpec& s) { map<StudioEnvironment>(s).lights[0].azimuth_rad = 1; }},
+    {"light elevation_rad", [](RenderSpec& s) { map<StudioEnvironment>(s).lights[0].elevation_rad = 1; }},
+    {"light roll_rad", [](RenderSpec& s) { map<StudioEnvironment>(s).lights[0].roll_rad = 1; }},
+    {"light width_rad", [](RenderSpec& s) { map<StudioEnvironment>(s).lights[0].width_rad = 1; }},
+    {"light height_rad", [](RenderSpec& s) { map<StudioEnvironment>(s).lights[0].height_rad = 1; }},
+    {"light color", [](RenderSpec& s) { map<StudioEnvironment>(s).lights[0].color = glm::dvec3(1, 0, 0); }},
+    {"light luminance", [](RenderSpec& s) { map<StudioEnvironment>(s).lights[0].luminance = 1; }},
+    {"light feather", [](RenderSpec& s) { map<StudioEnvironment>(s).lights[0].feather = 1; }},
+    {"light hotspot", [](RenderSpec& s) { map<StudioEnvironment>(s).lights[0].hotspot = 2; }},
     {"environment rotation", [](RenderSpec& s) { s.environment.rotation_rad = 1; }},
     {"intensity", [](RenderSpec& s) { s.environment.intensity = 2; }},
     {"illuminance", [](RenderSpec& s) { s.environment.illuminance_lux = 1000; }},
