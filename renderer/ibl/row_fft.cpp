@@ -76,9 +76,9 @@ typedef float Floats __attribute__((vector_size(32)));
 }
 
 // z = n + i s, w = conj(z of -m): n = (z + w) / 2, s = (z - w) / 2i
-[[gnu::always_inline]] inline void split_pairs(const Colours& in, int width, const double* cos,
+[[gnu::always_inline]] inline void split_pairs(const Colours& in, int width, int orders, const double* cos,
                                                const double* sin, const RowPairs<Lanes>& spectra) {
-  for (int m = 0; m <= width / 2; ++m) {
+  for (int m = 0; m < orders; ++m) {
     const int mirror = m == 0 ? 0 : width - m;
     Planes north, south;
     for (int c = 0; c < 3; ++c) {
@@ -128,8 +128,8 @@ RowFft::RowFft(int width) : width_(width), fft_(width) {
   }
 }
 
-void RowFft::spectra_of_texels(const RowPairs<const float>& texels, const RowPairs<Lanes>& spectra,
-                               Scratch& scratch) const {
+void RowFft::spectra_of_texels(const RowPairs<const float>& texels, int orders,
+                               const RowPairs<Lanes>& spectra, Scratch& scratch) const {
   prepare(scratch);
   const Colours colours{{scratch.re[0].data(), scratch.re[1].data(), scratch.re[2].data()},
                         {scratch.im[0].data(), scratch.im[1].data(), scratch.im[2].data()}};
@@ -137,8 +137,9 @@ void RowFft::spectra_of_texels(const RowPairs<const float>& texels, const RowPai
   in_widest_registers([=]() __attribute__((always_inline)) { gather_texels(texels, width, colours); });
   for (int c = 0; c < 3; ++c) fft_.transform(colours.re[c], colours.im[c], scratch.work.data());
   const double *cos = box_cos_.data(), *sin = box_sin_.data();
-  in_widest_registers([=]()
-                          __attribute__((always_inline)) { split_pairs(colours, width, cos, sin, spectra); });
+  in_widest_registers([=]() __attribute__((always_inline)) {
+    split_pairs(colours, width, orders, cos, sin, spectra);
+  });
 }
 
 void RowFft::texels_of_spectra(const RowPairs<const Lanes>& spectra, int orders,

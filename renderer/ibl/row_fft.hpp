@@ -41,9 +41,9 @@ class RowFft {
 
   explicit RowFft(int width);
 
-  // RGB texels -> c_m for m <= width / 2: f(phi) = sum over m of c_m e^(i m phi), c_-m = conj(c_m), phi from the left edge
+  // RGB texels -> c_m for m < orders <= width / 2 + 1: f(phi) = sum over m of c_m e^(i m phi), c_-m = conj(c_m), phi from the left edge
   // of the map; exact for texels that are constant over their width. Sets all lanes.
-  void spectra_of_texels(const RowPairs<const float>& texels, const RowPairs<Lanes>& spectra,
+  void spectra_of_texels(const RowPairs<const float>& texels, int orders, const RowPairs<Lanes>& spectra,
                          Scratch& scratch) const;
 
   // Samples at the texel centres, every order of the spectra; below 0 becomes 0.

@@ -119,18 +119,21 @@ RowSpectrum::RowSpectrum(int rows, int orders)
 HarmonicCoefficients::HarmonicCoefficients(int bands_)
     : bands(bands_), values(std::size_t(bands_) * (bands_ + 1) / 2) {}
 
-RowSpectrum spectrum_of_equirect(const Image& equirect, WorkerPool& pool) {
+RowSpectrum spectrum_of_equirect(const Image& equirect, WorkerPool& pool, int most,
+                                 const Deadline& deadline) {
   const auto [width, rows] = equirect.extent;
-  RowSpectrum spectrum(rows, width / 2 + 1);
+  RowSpectrum spectrum(rows, std::min(most, width / 2 + 1));
   const RowFft fft(width);
   ScratchPool<RowFft::Scratch> scratches;
   const float* texels = equirect.samples<float>().data();
   pool.parallel_for(
       RowPairs<Lanes>::groups(rows), kGroupCost_us, [&, width = width, rows = rows](std::size_t group) {
+        check_deadline(deadline, "environment: rows");
         ScratchPool<RowFft::Scratch>::Lease scratch(scratches);
         const int first = static_cast<int>(group) * RowPairs<Lanes>::kCount;
         fft.spectra_of_texels({first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }},
-                              {first, rows, [&](int j) { return spectrum.row(j); }}, *scratch);
+                              spectrum.orders(), {first, rows, [&](int j) { return spectrum.row(j); }},
+                              *scratch);
       });
   return spectrum;
 }

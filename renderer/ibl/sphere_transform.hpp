@@ -1,9 +1,11 @@
 // Equirect maps <-> Fourier rows <-> spherical-harmonic coefficients, in double precision.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <vector>
 
+#include "renderer/base/deadline.hpp"
 #include "renderer/base/worker_pool.hpp"
 #include "renderer/ibl/legendre.hpp"
 #include "renderer/ibl/row_fft.hpp"
@@ -45,8 +47,9 @@ struct HarmonicCoefficients {
   std::size_t offset(int m) const { return std::size_t(m) * bands - std::size_t(m) * (m - 1) / 2; }
 };
 
-// Exact for a map that is constant over the width of each texel: orders 0 .. width / 2.
-RowSpectrum spectrum_of_equirect(const Image& equirect, WorkerPool& pool);
+// Exact for a map that is constant over the width of each texel: orders 0 .. width / 2, or only the first `most`.
+RowSpectrum spectrum_of_equirect(const Image& equirect, WorkerPool& pool,
+                                 int most = std::numeric_limits<int>::max(), const Deadline& deadline = {});
 
 // The map sampled at texel centres, `width` to a row; orders above width / 2 are sampled too, not dropped.
 Image equirect_of_spectrum(const RowSpectrum& spectrum, int width, WorkerPool& pool);
