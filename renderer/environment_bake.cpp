@@ -43,11 +43,15 @@ EnvironmentBake bake_whole_environment(const Blob& encoded, const EnvironmentBak
   bake.repairs = decoded.repairs;
   bake.size = decoded.equirect.extent;
   const Clock::time_point bake_start = Clock::now();
-  SunExtraction extraction = extract_suns(decoded.equirect);
-  bake.suns = std::move(extraction.suns);
   bake.suns_extracted = settings.sun == SunMode::kExtract;
-  const auto radiance =
-      std::make_shared<const Image>(std::move(bake.suns_extracted ? extraction.residual : decoded.equirect));
+  if (bake.suns_extracted) {
+    SunExtraction extraction = extract_suns(decoded.equirect, deadline);
+    bake.suns = std::move(extraction.suns);
+    decoded.equirect = std::move(extraction.residual);
+  } else {
+    bake.suns = find_suns(decoded.equirect, deadline);
+  }
+  const auto radiance = std::make_shared<const Image>(std::move(decoded.equirect));
   bake.maps = bake_environment(radiance, encoded.hash(), pool, deadline, BakeSettings{.charlie = true});
   if (settings.irradiance == IrradianceMethod::kRiemann)
     bake.riemann_irradiance = riemann_irradiance(*radiance, kRiemannQuads, kRiemannRows, pool, deadline);

@@ -100,7 +100,7 @@ PreparedEnvironment prepare_environment(Image radiance, const ContentHash& key, 
   out.summary.peak = baked->peak;
   out.summary.horizontal_illuminance_lux = horizontal_illuminance_lux(*baked);
   out.summary.bake_ms = baked->bake_ms;
-  out.summary.suns = extract_suns(*shared).suns;
+  out.summary.suns = find_suns(*shared, deadline);
 
   out.sky = make_image(shared->extent, 4, SampleType::kFloat16, ColorSpace::kLinear);
   out.sky_scale = half_scale(baked->peak);

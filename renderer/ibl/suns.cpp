@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <unordered_map>
 
 #include "renderer/base/check.hpp"
 
@@ -22,6 +23,7 @@ constexpr std::size_t kMostClusters = 16;
 // texels: one that the sun's blurred edge may touch and one beyond.
 constexpr double kRingWidth = 0.25;
 constexpr int kFewestRingTexels = 2;
+constexpr int kRowsAtOnce = 64;  // between two looks at the clock
 
 double luminance(const Rgb& value) {  // ITU-R BT.709-6 2015, "Parameter values for the HDTV standards"
   return 0.2126 * value[0] + 0.7152 * value[1] + 0.0722 * value[2];
@@ -32,10 +34,13 @@ Rgb normalised(const Rgb& v) {
   return {v[0] / length, v[1] / length, v[2] / length};
 }
 
-// The texels of a map as neighbours on the sphere. Texels are numbered row by row.
+using Replaced = std::unordered_map<std::size_t, std::array<float, 3>>;
+
+// The texels of a map as neighbours on the sphere, some of them replaced. Texels are numbered row by row.
 class Sphere {
  public:
-  explicit Sphere(Image& map) : width_(map.extent.width), height_(map.extent.height), map_(map) {
+  explicit Sphere(const Image& map)
+      : width_(map.extent.width), height_(map.extent.height), texels_(map.samples<float>().data()) {
     for (int j = 0; j < height_; ++j)
       areas_.push_back(4 * kPi / width_ * std::sin(kPi / (2 * height_)) *
                        std::sin(kPi * (j + 0.5) / height_));
@@ -44,11 +49,38 @@ class Sphere {
   std::size_t size() const { return std::size_t(width_) * height_; }
   double row_rad() const { return kPi / height_; }
   double area(std::size_t k) const { return areas_[k / width_]; }  // sr
-  float* texel(std::size_t k) const { return map_.samples<float>().data() + 3 * k; }
   Rgb value(std::size_t k) const {
-    const float* p = texel(k);
+    const float* p = texels_ + 3 * k;
+    if (!replaced_.empty()) {
+      if (const auto found = replaced_.find(k); found != replaced_.end()) p = found->second.data();
+    }
     return {p[0], p[1], p[2]};
   }
+  void replace(std::size_t k, const std::array<float, 3>& value) { replaced_[k] = value; }
+  const Replaced& replaced() const { return replaced_; }
+
+  // The map's flux, and what tells the rows that hold a bright texel from the others.
+  struct Flux {
+    double sum = 0;
+    std::vector<double> brightest;  // luminance, by row
+  };
+  Flux flux(const Deadline& deadline) const {
+    Flux flux;
+    for (int j = 0; j < height_; ++j) {
+      if (j % kRowsAtOnce == 0) check_deadline(deadline, "environment: suns");
+      const float* row = texels_ + 3 * std::size_t(j) * width_;
+      double sum = 0, brightest = 0;
+      for (int i = 0; i < width_; ++i) {
+        const double value = luminance({row[3 * i], row[3 * i + 1], row[3 * i + 2]});
+        sum += value;
+        brightest = std::max(brightest, value);
+      }
+      flux.sum += sum * areas_[j];
+      flux.brightest.push_back(brightest);
+    }
+    return flux;
+  }
+  int width() const { return width_; }
   double luminance_of(std::size_t k) const { return luminance(value(k)); }
   Rgb direction(std::size_t k) const {
     const double theta = kPi * (k / width_ + 0.5) / height_;
@@ -78,7 +110,8 @@ class Sphere {
  private:
   int width_ = 0;
   int height_ = 0;
-  Image& map_;
+  const float* texels_ = nullptr;
+  Replaced replaced_;
   std::vector<double> areas_;
 };
 
@@ -136,10 +169,15 @@ class Clusters {
     std::vector<std::size_t> texels;
     double flux = 0;
   };
-  std::vector<Core> cores(double level) {
+  std::vector<Core> cores(double level, const std::vector<double>& brightest) {
     std::vector<Core> cores;
     std::vector<bool> seen(sphere_.size());
+    const std::size_t width = sphere_.width();
     for (std::size_t seed = 0; seed < sphere_.size(); ++seed) {
+      if (seed % width == 0 && brightest[seed / width] < level) {
+        seed += width - 1;
+        continue;
+      }
       if (seen[seed] || sphere_.luminance_of(seed) < level) continue;
       Core core{*grow(seed, level, 4 * kPi + 1), 0};
       for (std::size_t k : core.texels) {
@@ -263,35 +301,51 @@ std::optional<Candidate> find_sun(const Sphere& sphere, Clusters& clusters, std:
   return std::nullopt;
 }
 
-}  // namespace
-
-SunExtraction extract_suns(const Image& equirect, const SunSettings& settings) {
-  FURNACE_CHECK(equirect.channels == 3 && equirect.type == SampleType::kFloat32 &&
-                    equirect.extent.width == 2 * equirect.extent.height,
-                "not an RGB kFloat32 equirect: {} x {}", equirect.extent.width, equirect.extent.height);
-  SunExtraction result{{}, equirect};
-  const Sphere sphere(result.residual);
-  double flux = 0;
-  for (std::size_t k = 0; k < sphere.size(); ++k) flux += sphere.luminance_of(k) * sphere.area(k);
-  if (flux <= 0) return result;
-
+// Replaces in `sphere` what it finds.
+std::vector<Sun> take_suns(Sphere& sphere, const Deadline& deadline, const SunSettings& settings) {
+  std::vector<Sun> suns;
+  const Sphere::Flux flux = sphere.flux(deadline);
+  if (flux.sum <= 0) return suns;
   Clusters clusters(sphere);
   const double largest_sr = 4 * kPi * std::pow(std::sin(settings.largest_radius_rad / 2), 2);
-  for (const Clusters::Core& core : clusters.cores(settings.smallest_share * flux / largest_sr)) {
-    if (static_cast<int>(result.suns.size()) == settings.most) break;
+  const double level = settings.smallest_share * flux.sum / largest_sr;
+  for (const Clusters::Core& core : clusters.cores(level, flux.brightest)) {
+    check_deadline(deadline, "environment: suns");
+    if (static_cast<int>(suns.size()) == settings.most) break;
     // A sun that was taken out before may have reached into this cluster: its brightest texel is sought now.
     const std::size_t seed = *std::max_element(
         core.texels.begin(), core.texels.end(),
         [&](std::size_t a, std::size_t b) { return sphere.luminance_of(a) < sphere.luminance_of(b); });
-    const std::optional<Candidate> found = find_sun(sphere, clusters, seed, flux, settings);
+    const std::optional<Candidate> found = find_sun(sphere, clusters, seed, flux.sum, settings);
     if (!found) continue;
-    for (std::size_t n = 0; n < found->texels.size(); ++n)
-      std::copy(found->fill[n].begin(), found->fill[n].end(), sphere.texel(found->texels[n]));
-    result.suns.push_back(found->sun);
+    for (std::size_t n = 0; n < found->texels.size(); ++n) sphere.replace(found->texels[n], found->fill[n]);
+    suns.push_back(found->sun);
   }
-  std::stable_sort(result.suns.begin(), result.suns.end(), [](const Sun& a, const Sun& b) {
+  std::stable_sort(suns.begin(), suns.end(), [](const Sun& a, const Sun& b) {
     return luminance(a.irradiance) > luminance(b.irradiance);
   });
+  return suns;
+}
+
+Sphere sphere_of(const Image& equirect) {
+  FURNACE_CHECK(equirect.channels == 3 && equirect.type == SampleType::kFloat32 &&
+                    equirect.extent.width == 2 * equirect.extent.height,
+                "not an RGB kFloat32 equirect: {} x {}", equirect.extent.width, equirect.extent.height);
+  return Sphere(equirect);
+}
+
+}  // namespace
+
+std::vector<Sun> find_suns(const Image& equirect, const Deadline& deadline, const SunSettings& settings) {
+  Sphere sphere = sphere_of(equirect);
+  return take_suns(sphere, deadline, settings);
+}
+
+SunExtraction extract_suns(const Image& equirect, const Deadline& deadline, const SunSettings& settings) {
+  Sphere sphere = sphere_of(equirect);
+  SunExtraction result{take_suns(sphere, deadline, settings), equirect};
+  for (const auto& [k, value] : sphere.replaced())
+    std::copy(value.begin(), value.end(), result.residual.samples<float>().data() + 3 * k);
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "renderer/base/deadline.hpp"
 #include "renderer/image/image.hpp"
 
 namespace furnace {
@@ -43,9 +44,13 @@ struct SunExtraction {
   Image residual;  // RGB kFloat32, same size, >= 0: the map with its suns replaced by what surrounds them
 };
 
-// In each channel the integral of `residual` and the suns' irradiances add up to the integral of `equirect`, in double
-// precision (texels count with their exact solid angles). `equirect`: RGB kFloat32, 2:1, finite, >= 0
-// (baked_environment.hpp). Errors: kTooLarge as make_image. Threads: any.
-SunExtraction extract_suns(const Image& equirect, const SunSettings& settings = {});
+// `equirect`: RGB kFloat32, 2:1, finite, >= 0 (baked_environment.hpp). Brightest first. Reads the map twice and copies
+// nothing. Errors: kDeadlineExceeded. Threads: any.
+std::vector<Sun> find_suns(const Image& equirect, const Deadline& deadline, const SunSettings& settings = {});
+
+// The same, and what they leave: in each channel the integral of `residual` and the suns' irradiances add up to the
+// integral of `equirect`, in double precision (texels count with their exact solid angles).
+// Errors: also kTooLarge as make_image.
+SunExtraction extract_suns(const Image& equirect, const Deadline& deadline, const SunSettings& settings = {});
 
 }  // namespace furnace

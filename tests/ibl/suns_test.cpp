@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "renderer/base/error.hpp"
 #include "renderer/base/file.hpp"
 #include "renderer/image/decode.hpp"
 #include "tests/support/reference/convolution.hpp"
@@ -91,7 +92,7 @@ TEST(Suns, DiscAnywhere) {
     const Rgb value = {1.2e5, 1e5, 0.7e5};
     Image map = constant_map({1, 1.5, 2});
     paint_disc(map, place, radius, value);
-    const SunExtraction extraction = extract_suns(map);
+    const SunExtraction extraction = extract_suns(map, {});
     ASSERT_EQ(extraction.suns.size(), 1u);
     const Sun& sun = extraction.suns[0];
     // 64 points in a texel of 0.7 degrees.
@@ -121,7 +122,7 @@ TEST(Suns, SkyClosesBehindASun) {
   Image map = constant_map({1, 1.5, 2});
   const std::size_t texel = (std::size_t(90) * kExtent.width + 511) * 3;
   for (int c = 0; c < 3; ++c) map.samples<float>()[texel + c] = 1e5f;
-  const SunExtraction extraction = extract_suns(map);
+  const SunExtraction extraction = extract_suns(map, {});
   ASSERT_EQ(extraction.suns.size(), 1u);
   for (std::size_t k = 0; k < map.samples<float>().size(); ++k)
     ASSERT_NEAR(extraction.residual.samples<float>()[k], 1 + 0.5 * (k % 3), 1e-6);
@@ -134,7 +135,7 @@ TEST(Suns, SkyClosesBehindASun) {
 TEST(Suns, JoinOverThePole) {
   Image map = constant_map({1, 1, 1});
   for (const int column : {10, 10 + kExtent.width / 2}) map.samples<float>()[3 * column + 1] = 1e7f;
-  const SunExtraction extraction = extract_suns(map);
+  const SunExtraction extraction = extract_suns(map, {});
   ASSERT_EQ(extraction.suns.size(), 1u);
   EXPECT_LE(angle_between(extraction.suns[0].direction, {0, 1, 0}), 1e-9);
   expect_energy_kept(map, extraction);
@@ -149,7 +150,7 @@ TEST(Suns, OrientationOfTheAxes) {
   for (const auto& [texel, axis] : axes) {
     Image map = constant_map({0.1, 0.1, 0.1});
     map.samples<float>()[(texel.second * kExtent.width + texel.first) * 3 + 1] = 1e6f;
-    const SunExtraction extraction = extract_suns(map);
+    const SunExtraction extraction = extract_suns(map, {});
     ASSERT_EQ(extraction.suns.size(), 1u);
     EXPECT_LE(angle_between(extraction.suns[0].direction, axis), 0.6 * kDegree);  // a texel's half diagonal
   }
@@ -160,7 +161,7 @@ TEST(Suns, TwoBrightestFirst) {
   const Direction places[] = {{0.8, -2.0}, {1.2, 1.0}};
   paint_disc(map, places[0], 0.5 * kDegree, {4e4, 4e4, 4e4});
   paint_disc(map, places[1], 0.5 * kDegree, {1e5, 1e5, 1e5});
-  const SunExtraction extraction = extract_suns(map);
+  const SunExtraction extraction = extract_suns(map, {});
   ASSERT_EQ(extraction.suns.size(), 2u);
   EXPECT_LE(angle_between(extraction.suns[0].direction, places[1].unit()), 0.05 * kDegree);
   EXPECT_LE(angle_between(extraction.suns[1].direction, places[0].unit()), 0.05 * kDegree);
@@ -169,7 +170,7 @@ TEST(Suns, TwoBrightestFirst) {
 
   SunSettings one;
   one.most = 1;
-  const SunExtraction brightest = extract_suns(map, one);
+  const SunExtraction brightest = extract_suns(map, {}, one);
   ASSERT_EQ(brightest.suns.size(), 1u);
   EXPECT_LE(angle_between(brightest.suns[0].direction, places[1].unit()), 0.05 * kDegree);
   expect_energy_kept(map, brightest);
@@ -188,7 +189,7 @@ TEST(Suns, GlareStaysInTheMap) {
             static_cast<float>(glare(reference::texel_direction(kExtent, i, j)));
   const Rgb without = reference::mean_radiance(map);
   paint_disc(map, place, 0.8 * kDegree, {1e5, 1e5, 1e5});
-  const SunExtraction extraction = extract_suns(map);
+  const SunExtraction extraction = extract_suns(map, {});
   ASSERT_EQ(extraction.suns.size(), 1u);
   const double area = 4 * kPi * std::pow(std::sin(0.4 * kDegree), 2);
   EXPECT_NEAR(extraction.suns[0].irradiance[0] / (1e5 * area), 1, 0.03);
@@ -198,7 +199,7 @@ TEST(Suns, GlareStaysInTheMap) {
 
 TEST(Suns, WhatIsNoSun) {
   const auto expect_none = [](const Image& map, const char* what) {
-    const SunExtraction extraction = extract_suns(map);
+    const SunExtraction extraction = extract_suns(map, {});
     EXPECT_TRUE(extraction.suns.empty()) << what;
     EXPECT_EQ(extraction.residual.pixels, map.pixels) << what;
   };
@@ -244,16 +245,21 @@ TEST(Suns, NoiseHasNoneAndKeepsItsEnergy) {
     const double contrast = 4 + 4 * trial;  // up to 300, 2e4 and 9e5 times the least
     for (float& sample : map.samples<float>())
       sample = static_cast<float>(std::exp(contrast * std::pow(random() / 4294967296.0, 0.5)));
-    const SunExtraction noise = extract_suns(map);
+    const SunExtraction noise = extract_suns(map, {});
     EXPECT_TRUE(noise.suns.empty()) << trial;
     // With suns of any shape in it.
     for (int k = 0; k < 5; ++k)
       map.samples<float>()[random() % map.samples<float>().size()] =
           static_cast<float>(std::exp(contrast) * 1e4 * (k + 1));
-    const SunExtraction extraction = extract_suns(map);
+    const SunExtraction extraction = extract_suns(map, {});
     EXPECT_FALSE(extraction.suns.empty()) << trial;
+    EXPECT_EQ(find_suns(map, {}), extraction.suns) << trial;
     expect_energy_kept(map, extraction);
   }
+}
+
+TEST(Suns, StopAtTheDeadline) {
+  EXPECT_THROW(find_suns(constant_map({1, 1, 1}), Deadline(std::chrono::milliseconds(0))), Error);
 }
 
 // How many suns a photographer would name.
@@ -284,8 +290,9 @@ TEST(Suns, RealEnvironments) {
     SCOPED_TRACE(name);
     if (!file_identity(folder / name)) continue;
     const Image map = decode_environment(Blob(read_file(folder / name, 1 << 24)), {}).equirect;
-    const SunExtraction extraction = extract_suns(map);
+    const SunExtraction extraction = extract_suns(map, {});
     EXPECT_EQ(extraction.suns.size(), suns);
+    EXPECT_EQ(find_suns(map, {}), extraction.suns);
     expect_energy_kept(map, extraction);
   }
 }
