@@ -52,7 +52,8 @@ EnvironmentBake bake_whole_environment(const Blob& encoded, const EnvironmentBak
     bake.suns = find_suns(decoded.equirect, deadline);
   }
   const auto radiance = std::make_shared<const Image>(std::move(decoded.equirect));
-  bake.maps = bake_environment(radiance, encoded.hash(), pool, deadline, BakeSettings{.charlie = true});
+  bake.maps = bake_environment(radiance, encoded.hash(), pool, deadline,
+                               BakeSettings{.charlie = true, .progress = settings.progress});
   if (settings.irradiance == IrradianceMethod::kRiemann)
     bake.riemann_irradiance = riemann_irradiance(*radiance, kRiemannQuads, kRiemannRows, pool, deadline);
   bake.bake_ms = ms_since(bake_start);

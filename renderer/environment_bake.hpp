@@ -21,6 +21,7 @@ struct EnvironmentBakeSettings {
   IrradianceMethod irradiance = IrradianceMethod::kSpectral;
   SunMode sun = SunMode::kKeep;  // kAuto is kKeep
   DecodeLimits limits{8192, 8192ll * 4096};
+  BakeProgress progress = {};  // 0 .. 1, of the spectral bake
 };
 
 struct EnvironmentMap {

@@ -11,7 +11,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "renderer/base/worker_pool.hpp"
 #include "renderer/ibl/sharp_level.hpp"
 #include "renderer/ibl/sphere_transform.hpp"
 #include "renderer/ibl/zonal_kernel.hpp"
@@ -25,6 +24,7 @@ constexpr double kSharpBelow = 0.125;
 constexpr std::size_t kSmoothLevels = 3;  // the first ones above it carry the tails of the sharp ones
 constexpr int kBands = 512;
 constexpr int kFewestRows = 512;  // of the working map
+constexpr int kMostRows = 1024;   // of a level: what the largest tile of the atlas can show
 constexpr int kCharlieRows = 192;
 constexpr double kCutOff = 3e-5;            // sufficient_bands of a level,
 constexpr double kIrradianceCutOff = 2e-5;  // and of the irradiance
@@ -52,7 +52,7 @@ int level_rows(double alpha, int map_rows) {
   const double wanted = std::max(12 / alpha, 128.0);
   for (int rows : {128, 144, 192, 256, 288, 384, 512})
     if (rows >= wanted) return std::min(rows, map_rows);
-  return map_rows;
+  return std::min(map_rows, kMostRows);
 }
 
 std::vector<double> level_coefficients(double alpha, double cut_off) {
@@ -74,6 +74,27 @@ std::array<double, 3> mean_radiance(const HarmonicCoefficients& coefficients) {
   return {scale * a00[0], scale * a00[2], scale * a00[4]};
 }
 
+// CPU milliseconds as measured once: they only say how far a bake has come.
+struct StageCosts {
+  static constexpr double kCharlie = 4;
+
+  StageCosts(int map_rows, int most_rows, const BakeSettings& settings)
+      : rows(2.2e-5 * map_rows * map_rows),
+        analysis(20 + 0.02 * map_rows),
+        shared_level(5e-5 * most_rows * most_rows),
+        sharp(7e-5 * map_rows * most_rows) {
+    for (double roughness : ggx_level_roughness())
+      if (roughness >= kSharpBelow) all += level(roughness * roughness);
+    all += rows + analysis + sharp;
+    if (settings.charlie) all += kCharlie * double(charlie_level_roughness().size());
+  }
+
+  double level(double alpha) const { return alpha < 0.035 ? shared_level : 0.08 / alpha; }
+  double share(double cost) const { return cost / all; }
+
+  double rows = 0, analysis = 0, shared_level = 0, sharp = 0, all = 0;
+};
+
 }  // namespace
 
 std::shared_ptr<const BakedEnvironment> bake_environment(std::shared_ptr<const Image> radiance,
@@ -84,19 +105,20 @@ std::shared_ptr<const BakedEnvironment> bake_environment(std::shared_ptr<const I
   auto baked = std::make_shared<BakedEnvironment>();
   baked->source_hash = source_hash;
   baked->radiance = radiance;
-  const auto samples = radiance->samples<float>();
-  baked->peak = *std::max_element(samples.begin(), samples.end());
+  baked->peak = largest_sample(radiance->samples<float>());
   const std::vector<double> roughness = ggx_level_roughness();
   for (std::size_t i = 1; i < roughness.size(); ++i) baked->levels.push_back({roughness[i], {}});
 
-  check_deadline(deadline, "environment: rows");
   const std::shared_ptr<const Image> map = working_map(radiance);
-  const int map_rows = map->extent.height;
-  const RowSpectrum spectrum = spectrum_of_equirect(*map, pool);
+  const int map_rows = map->extent.height, most_rows = std::min(map_rows, kMostRows);
+  const StageCosts costs(map_rows, most_rows, settings);
+  BakeWork work(pool, deadline, settings.progress);
+  work.begin("environment: rows", costs.share(costs.rows));
+  const RowSpectrum spectrum = spectrum_of_equirect(*map, work);
 
-  check_deadline(deadline, "environment: analysis");
+  work.begin("environment: analysis", costs.share(costs.analysis));
   const LegendreTable table(kBands);
-  const HarmonicCoefficients coefficients = analyse(spectrum, table, pool);
+  const HarmonicCoefficients coefficients = analyse(spectrum, table, work);
   baked->mean = mean_radiance(coefficients);
 
   std::vector<GgxKernel> sharp_kernels;
@@ -107,29 +129,30 @@ std::shared_ptr<const BakedEnvironment> bake_environment(std::shared_ptr<const I
       sharp_kernels.emplace_back(alpha);
       continue;
     }
-    check_deadline(deadline, "environment: rough level");
+    work.begin("environment: rough level", costs.share(costs.level(alpha)));
     const bool shared = smooth.size() < kSmoothLevels;
-    const int rows = shared ? map_rows : level_rows(alpha, map_rows);
+    const int rows = shared ? most_rows : level_rows(alpha, map_rows);
     RowSpectrum level_spectrum = synthesise(
-        coefficients, table, level_coefficients(alpha, alpha == 1 ? kIrradianceCutOff : kCutOff), rows, pool);
-    level.equirect = equirect_of_spectrum(level_spectrum, 2 * rows, pool);
+        coefficients, table, level_coefficients(alpha, alpha == 1 ? kIrradianceCutOff : kCutOff), rows, work);
+    level.equirect = equirect_of_spectrum(level_spectrum, 2 * rows, work);
     if (shared) smooth.push_back({GgxKernel(alpha), std::move(level_spectrum)});
   }
   baked->irradiance = baked->levels.back().equirect;  // at alpha = 1 GGX is Lambert's cosine
 
   if (settings.charlie) {
     for (const double roughness : charlie_level_roughness()) {
-      check_deadline(deadline, "environment: sheen level");
+      work.begin("environment: sheen level", costs.share(StageCosts::kCharlie));
       const std::vector<double> k = charlie_coefficients(roughness * roughness);
       const int rows = std::min(kCharlieRows, map_rows);
-      const RowSpectrum level = synthesise(coefficients, table, k, rows, pool);
-      baked->charlie.push_back({roughness, equirect_of_spectrum(level, 2 * rows, pool)});
+      const RowSpectrum level = synthesise(coefficients, table, k, rows, work);
+      baked->charlie.push_back({roughness, equirect_of_spectrum(level, 2 * rows, work)});
     }
   }
 
-  check_deadline(deadline, "environment: sharp levels");
-  std::vector<Image> sharp = convolve_sharp(spectrum, sharp_kernels, smooth, pool);
+  work.begin("environment: sharp levels", costs.share(costs.sharp));
+  std::vector<Image> sharp = convolve_sharp(spectrum, sharp_kernels, smooth, work);
   for (std::size_t i = 0; i < sharp.size(); ++i) baked->levels[i].equirect = std::move(sharp[i]);
+  work.finish();
   baked->bake_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   return baked;
 }

@@ -8,6 +8,7 @@
 
 #include "renderer/base/content_hash.hpp"
 #include "renderer/base/deadline.hpp"
+#include "renderer/ibl/bake_work.hpp"
 #include "renderer/image/image.hpp"
 
 namespace furnace {
@@ -17,7 +18,7 @@ namespace furnace {
 // the centre column looks to +X, u = 0.75 to +Z, u = 0.25 to -Z.
 
 // Raised whenever a bake of the same input and settings changes its result.
-inline constexpr int kBakeVersion = 1;
+inline constexpr int kBakeVersion = 2;
 
 // The perceptual roughness of GGX level i. Level 0 (roughness 0) is the environment itself and is not in `levels`.
 // One function for baker, shader tables and cache keys. Strictly increasing, ends at 1.
@@ -53,14 +54,13 @@ struct BakedEnvironment {
   std::size_t byte_size() const;
 };
 
-class WorkerPool;
-
 struct BakeSettings {
-  bool charlie = false;  // bake the sheen levels too
+  bool charlie = false;        // bake the sheen levels too
+  BakeProgress progress = {};  // 0 .. 1, at least once a stage
 };
 
 // Spectral bake (the derivation stands in bake.cpp). `radiance`: RGB kFloat32 equirect 2:1, finite, >= 0.
-// The result does not depend on the number of threads. Errors: kDeadlineExceeded between steps. Threads: any.
+// The result does not depend on the number of threads. Errors: kDeadlineExceeded, a few milliseconds of work after it. Threads: any.
 std::shared_ptr<const BakedEnvironment> bake_environment(std::shared_ptr<const Image> radiance,
                                                          const ContentHash& source_hash, WorkerPool& pool,
                                                          const Deadline& deadline,

@@ -62,11 +62,11 @@ class Blur {
   Blur(const RowSpectrum& map, double sigma, int rows);
 
   struct Scratch {
-    std::vector<Lanes> ratios, weights;
+    std::vector<Lanes> ratios, weights, north, south;
   };
   int orders() const { return orders_; }
   // Row i of the result and its mirror image.
-  void convolve(int i, Lanes* north, Lanes* south, Scratch& scratch) const;
+  void convolve(int i, StoredLanes* north, StoredLanes* south, Scratch& scratch) const;
 
  private:
   // A line of constant theta within each row of the map.
@@ -142,18 +142,19 @@ void Blur::fold(Lanes* weights, int orders) const {
   }
 }
 
-void Blur::convolve(int i, Lanes* north, Lanes* south, Scratch& scratch) const {
+void Blur::convolve(int i, StoredLanes* north_out, StoredLanes* south_out, Scratch& scratch) const {
   const int rows = map_.rows();
   const double theta = kPi * (i + 0.5) / rows_, cell = kPi / rows;
   // kappa (1 - cos) > kLogNegligible
   const double reach = 2 * std::asin(std::min(1.0, sigma_ * std::sqrt(kLogNegligible / 2)));
   const int first = std::max(0, static_cast<int>((theta - reach) / cell));
   const int last = std::min(rows - 1, static_cast<int>((theta + reach) / cell));
-  std::fill_n(north, orders_, Lanes{});
-  std::fill_n(south, orders_, Lanes{});
+  scratch.north.assign(orders_, Lanes{});
+  scratch.south.assign(orders_, Lanes{});
+  Lanes *north = scratch.north.data(), *south = scratch.south.data();
   for (int begin = first; begin <= last; begin += 8) {
     const int orders = set_weights(theta, begin, scratch);
-    const Lanes *from[8], *mirrored[8];
+    const StoredLanes *from[8], *mirrored[8];
     for (int k = 0; k < 8; ++k) {
       const int j = std::min(begin + k, rows - 1);
       from[k] = map_.row(j);
@@ -164,14 +165,16 @@ void Blur::convolve(int i, Lanes* north, Lanes* south, Scratch& scratch) const {
       for (int m = 0; m < orders; ++m) {
         Lanes north_sum = north[m], south_sum = south[m];
         for (int k = 0; k < 8; ++k) {
-          north_sum += weights[8 * m + k] * from[k][m];
-          south_sum += weights[8 * m + k] * mirrored[k][m];
+          north_sum += weights[8 * m + k] * from[k][m].widen();
+          south_sum += weights[8 * m + k] * mirrored[k][m].widen();
         }
         north[m] = north_sum;
         south[m] = south_sum;
       }
     });
   }
+  store(north, orders_, north_out);
+  store(south, orders_, south_out);
 }
 
 int result_rows(double sigma, int map_rows) {
@@ -183,20 +186,19 @@ int result_rows(double sigma, int map_rows) {
   return map_rows;
 }
 
-Image convolve(const Image& radiance, double sigma, WorkerPool& pool, const Deadline& deadline) {
+Image convolve(const Image& radiance, double sigma, BakeWork& work) {
   const auto [width, height] = radiance.extent;
   const int orders = std::min(sufficient_orders(1 / (sigma * sigma)), width / 2 + 1);
-  const RowSpectrum map = spectrum_of_equirect(radiance, pool, orders, deadline);
+  const RowSpectrum map = spectrum_of_equirect(radiance, work, orders);
   const int rows = result_rows(sigma, height);
   const Blur blur(map, sigma, rows);
   RowSpectrum blurred(rows, blur.orders());
   ScratchPool<Blur::Scratch> scratches;
-  pool.parallel_for((rows + 1) / 2, kPairCost_us, [&](std::size_t i) {
-    check_deadline(deadline, "environment: blur");
+  work.parallel_for((rows + 1) / 2, kPairCost_us, [&](std::size_t i) {
     ScratchPool<Blur::Scratch>::Lease scratch(scratches);
     blur.convolve(int(i), blurred.row(int(i)), blurred.row(rows - 1 - int(i)), *scratch);
   });
-  return equirect_of_spectrum(blurred, rows == height ? width : 2 * rows, pool);
+  return equirect_of_spectrum(blurred, rows == height ? width : 2 * rows, work);
 }
 
 }  // namespace
@@ -207,7 +209,8 @@ Image blurred_environment(const Image& radiance, double sigma_rad, WorkerPool& p
   const double narrowest = kNarrowest * kPi / radiance.extent.height;
   const double share = std::min(1.0, std::pow(sigma_rad / narrowest, 2));
   if (share == 0) return radiance;
-  Image blurred = convolve(radiance, std::max(sigma_rad, narrowest), pool, deadline);
+  BakeWork work(pool, deadline);
+  Image blurred = convolve(radiance, std::max(sigma_rad, narrowest), work);
   if (share == 1) return blurred;
   const auto from = radiance.samples<float>();
   const auto to = blurred.samples<float>();

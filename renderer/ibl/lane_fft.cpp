@@ -71,6 +71,32 @@ struct Pass {
   }
 }
 
+[[gnu::always_inline]] inline void pass_8(const Pass pass) {
+  constexpr double kHalf = std::numbers::sqrt2 / 2;
+  for (int p = 0; p < pass.groups; ++p) {
+    for (int q = 0; q < pass.stride; ++q) {
+      ComplexLanes even[4], odd[4];  // of the two transforms of length four
+      for (int side = 0; side < 2; ++side) {
+        ComplexLanes* out = side == 0 ? even : odd;
+        const ComplexLanes a = pass.load(p, side, q), b = pass.load(p, side + 2, q);
+        const ComplexLanes c = pass.load(p, side + 4, q), d = pass.load(p, side + 6, q);
+        const ComplexLanes turned = times_minus_i(b - d);
+        out[0] = (a + c) + (b + d);
+        out[1] = (a - c) + turned;
+        out[2] = (a + c) - (b + d);
+        out[3] = (a - c) - turned;
+      }
+      odd[1] = {kHalf * (odd[1].re + odd[1].im), kHalf * (odd[1].im - odd[1].re)};
+      odd[2] = times_minus_i(odd[2]);
+      odd[3] = {kHalf * (odd[3].im - odd[3].re), kHalf * (Lanes{} - odd[3].re - odd[3].im)};
+      for (int j = 0; j < 4; ++j) {
+        pass.store(8, p, j, q, even[j] + odd[j]);
+        pass.store(8, p, j + 4, q, even[j] - odd[j]);
+      }
+    }
+  }
+}
+
 [[gnu::always_inline]] inline void pass_any(const Pass pass, int radix, const double* root_cos,
                                             const double* root_sin) {
   for (int p = 0; p < pass.groups; ++p) {
@@ -88,6 +114,7 @@ struct Pass {
 }
 
 int next_radix(int n) {
+  if (n % 8 == 0) return 8;
   if (n % 4 == 0) return 4;
   for (int p = 2; p * p <= n; ++p)
     if (n % p == 0) return p;
@@ -128,6 +155,7 @@ void LaneFft::transform(Lanes* re, Lanes* im, Lanes* work) const {
     const int radix = stage.radix;
     const double *root_cos = stage.root_cos.data(), *root_sin = stage.root_sin.data();
     in_widest_registers([=]() __attribute__((always_inline)) {
+      if (radix == 8) return pass_8(pass);
       if (radix == 4) return pass_4(pass);
       if (radix == 2) return pass_2(pass);
       pass_any(pass, radix, root_cos, root_sin);

@@ -1,6 +1,10 @@
 // Eight doubles that are computed together, in the widest registers the processor has.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <span>
+
 namespace furnace {
 
 // One cache line: eight rows of a map, or the colour of one Fourier coefficient (R.re R.im G.re G.im B.re B.im and two
@@ -23,6 +27,18 @@ struct alignas(64) Lanes {
   [[gnu::always_inline]] friend Lanes operator-(const Lanes& a, const Lanes& b) { return {a.v - b.v}; }
   [[gnu::always_inline]] friend Lanes operator*(const Lanes& a, const Lanes& b) { return {a.v * b.v}; }
   [[gnu::always_inline]] friend Lanes operator*(double a, const Lanes& b) { return {a * b.v}; }
+};
+
+// Lanes at rest: what 8 floats keep of them, in half the memory.
+struct alignas(32) StoredLanes {
+  typedef float Vector __attribute__((vector_size(32)));
+
+  Vector v;
+
+  [[gnu::always_inline]] static StoredLanes of(const Lanes& lanes) {
+    return {__builtin_convertvector(lanes.v, Vector)};
+  }
+  [[gnu::always_inline]] Lanes widen() const { return {__builtin_convertvector(v, Lanes::Vector)}; }
 };
 
 namespace detail {
@@ -81,5 +97,31 @@ void in_widest_registers(const Body& body) {
 }
 
 #endif
+
+inline void store(const Lanes* lanes, int count, StoredLanes* out) {
+  in_widest_registers([=]() __attribute__((always_inline)) {
+    for (int k = 0; k < count; ++k) out[k] = StoredLanes::of(lanes[k]);
+  });
+}
+
+// The largest of many samples, 0 if none is positive.
+inline float largest_sample(std::span<const float> samples) {
+  StoredLanes largest = {};
+  const float* in = samples.data();
+  const std::size_t whole = samples.size() / 8 * 8;
+  in_widest_registers([&]() __attribute__((always_inline)) {
+    StoredLanes::Vector most = {};
+    for (std::size_t i = 0; i < whole; i += 8) {
+      StoredLanes::Vector eight;
+      __builtin_memcpy(&eight, in + i, sizeof(eight));
+      most = most > eight ? most : eight;
+    }
+    largest.v = most;
+  });
+  float result = 0;
+  for (int k = 0; k < 8; ++k) result = std::max(result, largest.v[k]);
+  for (const float sample : samples.subspan(whole)) result = std::max(result, sample);
+  return result;
+}
 
 }  // namespace furnace

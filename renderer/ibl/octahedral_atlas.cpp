@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "renderer/base/worker_pool.hpp"
+#include "renderer/ibl/lanes.hpp"
 #include "renderer/ibl/tile_resampler.hpp"
 
 namespace furnace {
@@ -65,11 +66,6 @@ Extent place_tiles(const std::vector<AtlasTile*>& tiles) {
   return best;
 }
 
-float largest_sample(const Image& image) {
-  const auto samples = image.samples<float>();
-  return *std::max_element(samples.begin(), samples.end());
-}
-
 void store_tile(const std::vector<Quad>& texels, const AtlasTile& tile, double scale, Image& atlas,
                 WorkerPool& pool) {
   const int inner = tile.inner;
@@ -127,12 +123,12 @@ std::array<double, 3> direction_from_octahedral(double u, double v) {
 OctahedralAtlas make_octahedral_atlas(const BakedEnvironment& baked, WorkerPool& pool) {
   OctahedralAtlas atlas;
   const int columns = std::max(baked.radiance->extent.width, baked.levels.front().equirect.extent.width);
-  float peak = largest_sample(baked.irradiance);
+  float peak = largest_sample(baked.irradiance.samples<float>());
   for (const BakedLevel& level : baked.levels) {
     const double alpha = level.perceptual_roughness * level.perceptual_roughness;
     atlas.level_roughness.push_back(level.perceptual_roughness);
     atlas.level_tiles.push_back({0, 0, tile_side(alpha, columns)});
-    peak = std::max(peak, largest_sample(level.equirect));
+    peak = std::max(peak, largest_sample(level.equirect.samples<float>()));
   }
   atlas.irradiance_tile.inner = tile_side(1, columns);
   // A factor of two is left for what interpolation adds.

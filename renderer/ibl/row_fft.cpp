@@ -13,19 +13,16 @@ constexpr double kPi = std::numbers::pi;
 struct Planes {
   Lanes re[3], im[3];
 
-  [[gnu::always_inline]] void load(Lanes* const* rows, int m) {
-    load(const_cast<const Lanes* const*>(rows), m);
-  }
-  [[gnu::always_inline]] void load(const Lanes* const* rows, int m) {
+  [[gnu::always_inline]] void load(const StoredLanes* const* rows, int m) {
     Lanes block[8];
-    for (int r = 0; r < 8; ++r) block[r] = rows[r][m];
+    for (int r = 0; r < 8; ++r) block[r] = rows[r][m].widen();
     transpose(block);
     for (int c = 0; c < 3; ++c) re[c] = block[2 * c], im[c] = block[2 * c + 1];
   }
-  [[gnu::always_inline]] void store(Lanes* const* rows, int m) const {
+  [[gnu::always_inline]] void store(StoredLanes* const* rows, int m) const {
     Lanes block[8] = {re[0], im[0], re[1], im[1], re[2], im[2], Lanes{}, Lanes{}};
     transpose(block);
-    for (int r = 0; r < 8; ++r) rows[r][m] = block[r];
+    for (int r = 0; r < 8; ++r) rows[r][m] = StoredLanes::of(block[r]);
   }
   [[gnu::always_inline]] void turn(double cos, double sin) {
     for (int c = 0; c < 3; ++c) {
@@ -40,44 +37,67 @@ struct Colours {
   Lanes *re[3], *im[3];
 };
 
-[[gnu::always_inline]] inline void gather_texels(const RowPairs<const float>& texels, int width,
-                                                 const Colours& out) {
-  for (int i = 0; i < width; ++i) {
-    for (int c = 0; c < 3; ++c) {
-      double* re = reinterpret_cast<double*>(out.re[c] + i);
-      double* im = reinterpret_cast<double*>(out.im[c] + i);
-      for (int r = 0; r < 8; ++r) re[r] = texels.north[r][3 * i + c];
-      for (int r = 0; r < 8; ++r) im[r] = texels.south[r][3 * i + c];
+// Eight texels of eight rows: samples in lanes <-> rows in lanes.
+[[gnu::always_inline]] inline void gather_eight(const float* const* rows, int i, Lanes* const* planes) {
+  for (int part = 0; part < 3; ++part) {
+    Lanes block[8];
+    for (int r = 0; r < 8; ++r) {
+      StoredLanes samples;
+      __builtin_memcpy(&samples, rows[r] + 3 * i + 8 * part, sizeof(samples));
+      block[r] = samples.widen();
+    }
+    transpose(block);
+    for (int k = 0; k < 8; ++k) planes[(8 * part + k) % 3][i + (8 * part + k) / 3] = block[k];
+  }
+}
+
+// Not below 0, as floats.
+[[gnu::always_inline]] inline void scatter_eight(const Lanes* const* planes, int i, float* const* rows) {
+  for (int part = 0; part < 3; ++part) {
+    Lanes block[8];
+    for (int k = 0; k < 8; ++k) block[k] = planes[(8 * part + k) % 3][i + (8 * part + k) / 3];
+    transpose(block);
+    for (int r = 0; r < 8; ++r) {
+      const StoredLanes samples = StoredLanes::of({block[r].v > 0 ? block[r].v : Lanes::Vector{}});
+      __builtin_memcpy(rows[r] + 3 * i + 8 * part, &samples, sizeof(samples));
     }
   }
 }
 
-typedef float Floats __attribute__((vector_size(32)));
-
-// Not below 0, as floats.
-[[gnu::always_inline]] inline void store_clamped(const Lanes& lanes, float* out) {
-  const Floats clamped = __builtin_convertvector(lanes.v > 0 ? lanes.v : Lanes::Vector{}, Floats);
-  __builtin_memcpy(out, &clamped, sizeof(clamped));
+[[gnu::always_inline]] inline void gather_texels(const RowPairs<const float>& texels, int width,
+                                                 const Colours& out) {
+  int i = 0;
+  for (; i + 8 <= width; i += 8) {
+    gather_eight(texels.north, i, out.re);
+    gather_eight(texels.south, i, out.im);
+  }
+  for (; i < width; ++i) {
+    for (int c = 0; c < 3; ++c) {
+      for (int r = 0; r < 8; ++r) out.re[c][i].set(r, texels.north[r][3 * i + c]);
+      for (int r = 0; r < 8; ++r) out.im[c][i].set(r, texels.south[r][3 * i + c]);
+    }
+  }
 }
 
 [[gnu::always_inline]] inline void scatter_texels(const Colours& in, int width,
                                                   const RowPairs<float>& texels) {
-  for (int i = 0; i < width; ++i) {
-    float north[3][8], south[3][8];
+  int i = 0;
+  for (; i + 8 <= width; i += 8) {
+    scatter_eight(in.re, i, texels.north);
+    scatter_eight(in.im, i, texels.south);
+  }
+  const auto clamped = [](double value) { return static_cast<float>(value > 0 ? value : 0); };
+  for (; i < width; ++i) {
     for (int c = 0; c < 3; ++c) {
-      store_clamped(in.re[c][i], north[c]);
-      store_clamped(in.im[c][i], south[c]);
+      for (int r = 0; r < 8; ++r) texels.north[r][3 * i + c] = clamped(in.re[c][i][r]);
+      for (int r = 0; r < 8; ++r) texels.south[r][3 * i + c] = clamped(in.im[c][i][r]);
     }
-    for (int r = 0; r < 8; ++r)
-      for (int c = 0; c < 3; ++c) texels.north[r][3 * i + c] = north[c][r];
-    for (int r = 0; r < 8; ++r)
-      for (int c = 0; c < 3; ++c) texels.south[r][3 * i + c] = south[c][r];
   }
 }
 
 // z = n + i s, w = conj(z of -m): n = (z + w) / 2, s = (z - w) / 2i
 [[gnu::always_inline]] inline void split_pairs(const Colours& in, int width, int orders, const double* cos,
-                                               const double* sin, const RowPairs<Lanes>& spectra) {
+                                               const double* sin, const RowPairs<StoredLanes>& spectra) {
   for (int m = 0; m < orders; ++m) {
     const int mirror = m == 0 ? 0 : width - m;
     Planes north, south;
@@ -94,8 +114,14 @@ typedef float Floats __attribute__((vector_size(32)));
   }
 }
 
-[[gnu::always_inline]] inline void join_pairs(const RowPairs<const Lanes>& spectra, int orders, int width,
-                                              const double* cos, const double* sin, const Colours& out) {
+// Orders up to half the width have a bin of their own; the others are added to theirs.
+template <bool kOwnBins>
+[[gnu::always_inline]] inline void join_pairs(const RowPairs<const StoredLanes>& spectra, int orders,
+                                              int width, const double* cos, const double* sin,
+                                              const Colours& out) {
+  const auto put = [](Lanes & to, const Lanes& value) __attribute__((always_inline)) {
+    to = kOwnBins ? value : to + value;
+  };
   for (int m = 0; m < orders; ++m) {
     Planes north, south;
     north.load(spectra.north, m);
@@ -104,11 +130,11 @@ typedef float Floats __attribute__((vector_size(32)));
     north.turn(cos[phase], sin[phase]);
     south.turn(cos[phase], sin[phase]);
     for (int c = 0; c < 3; ++c) {
-      out.re[c][bin] += north.re[c] - south.im[c];
-      out.im[c][bin] += north.im[c] + south.re[c];
+      put(out.re[c][bin], north.re[c] - south.im[c]);
+      put(out.im[c][bin], north.im[c] + south.re[c]);
       if (m == 0) continue;
-      out.re[c][mirror] += north.re[c] + south.im[c];
-      out.im[c][mirror] += south.re[c] - north.im[c];
+      put(out.re[c][mirror], north.re[c] + south.im[c]);
+      put(out.im[c][mirror], south.re[c] - north.im[c]);
     }
   }
 }
@@ -129,7 +155,7 @@ RowFft::RowFft(int width) : width_(width), fft_(width) {
 }
 
 void RowFft::spectra_of_texels(const RowPairs<const float>& texels, int orders,
-                               const RowPairs<Lanes>& spectra, Scratch& scratch) const {
+                               const RowPairs<StoredLanes>& spectra, Scratch& scratch) const {
   prepare(scratch);
   const Colours colours{{scratch.re[0].data(), scratch.re[1].data(), scratch.re[2].data()},
                         {scratch.im[0].data(), scratch.im[1].data(), scratch.im[2].data()}};
@@ -142,19 +168,24 @@ void RowFft::spectra_of_texels(const RowPairs<const float>& texels, int orders,
   });
 }
 
-void RowFft::texels_of_spectra(const RowPairs<const Lanes>& spectra, int orders,
+void RowFft::texels_of_spectra(const RowPairs<const StoredLanes>& spectra, int orders,
                                const RowPairs<float>& texels, Scratch& scratch) const {
   prepare(scratch);
   const Colours colours{{scratch.re[0].data(), scratch.re[1].data(), scratch.re[2].data()},
                         {scratch.im[0].data(), scratch.im[1].data(), scratch.im[2].data()}};
   const int width = width_;
-  const double *cos = centre_cos_.data(), *sin = centre_sin_.data();
+  const bool own_bins = 2 * (orders - 1) < width;
+  const int first_free = own_bins ? orders : 0, free = own_bins ? width - 2 * orders + 1 : width;
   for (int c = 0; c < 3; ++c) {
-    std::fill_n(colours.re[c], width, Lanes{});
-    std::fill_n(colours.im[c], width, Lanes{});
+    std::fill_n(colours.re[c] + first_free, free, Lanes{});
+    std::fill_n(colours.im[c] + first_free, free, Lanes{});
   }
+  const double *cos = centre_cos_.data(), *sin = centre_sin_.data();
   in_widest_registers([=]() __attribute__((always_inline)) {
-    join_pairs(spectra, orders, width, cos, sin, colours);
+    if (own_bins)
+      join_pairs<true>(spectra, orders, width, cos, sin, colours);
+    else
+      join_pairs<false>(spectra, orders, width, cos, sin, colours);
   });
   // The inverse transform is the forward one with real and imaginary parts exchanged.
   for (int c = 0; c < 3; ++c) fft_.transform(colours.im[c], colours.re[c], scratch.work.data());

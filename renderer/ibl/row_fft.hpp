@@ -43,12 +43,12 @@ class RowFft {
 
   // RGB texels -> c_m for m < orders <= width / 2 + 1: f(phi) = sum over m of c_m e^(i m phi), c_-m = conj(c_m), phi from the left edge
   // of the map; exact for texels that are constant over their width. Sets all lanes.
-  void spectra_of_texels(const RowPairs<const float>& texels, int orders, const RowPairs<Lanes>& spectra,
-                         Scratch& scratch) const;
+  void spectra_of_texels(const RowPairs<const float>& texels, int orders,
+                         const RowPairs<StoredLanes>& spectra, Scratch& scratch) const;
 
   // Samples at the texel centres, every order of the spectra; below 0 becomes 0.
-  void texels_of_spectra(const RowPairs<const Lanes>& spectra, int orders, const RowPairs<float>& texels,
-                         Scratch& scratch) const;
+  void texels_of_spectra(const RowPairs<const StoredLanes>& spectra, int orders,
+                         const RowPairs<float>& texels, Scratch& scratch) const;
 
  private:
   void prepare(Scratch& scratch) const;

@@ -28,6 +28,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kReach_alpha = 6.5;  // half height of the core in units of the sharpest smooth alpha
 constexpr int kNearRows = 3;          // rows that need the finer rule over their height
 constexpr int kNearNodes = 4;
+constexpr int kTile = 64;  // orders whose sums stay in the first cache while the rows go by
+constexpr int kRowsAtOnce = 4;
 constexpr double kGroupCost_us = 2000;
 
 // kernel_l = sum over k of weight[l][k] smooth_k + scale_l (mu / (t + beta_l)^2 - sum of lagrange[l][k] mu / (t + beta_k)^2)
@@ -63,6 +65,7 @@ class CoreSum {
         kernels_(kernels),
         smooth_(smooth),
         extrapolations_(extrapolate(kernels, smooth)),
+        rows_(smooth.front().spectrum.rows()),
         cell_(kPi / map.rows()),
         reach_(static_cast<int>(std::ceil(kReach_alpha * smooth.front().kernel.alpha() / cell_))),
         folding_(width(), blocks()),
@@ -74,10 +77,12 @@ class CoreSum {
     std::vector<Lanes> integrated;  // over the rows' height, likewise
     std::vector<Lanes> smooth;      // of one row, [smooth level][order / 8]
     std::vector<int> used;          // per row
+    std::vector<Lanes> sums;        // of a tile, [level][north, south][order]
   };
 
+  int rows() const { return rows_; }  // of the result
   // Row i and its mirror image: sets the orders of north[level], south[level].
-  void convolve(int i, Lanes* const* north, Lanes* const* south, Scratch& scratch) const;
+  void convolve(int i, StoredLanes* const* north, StoredLanes* const* south, Scratch& scratch) const;
 
  private:
   // A line of constant theta within a row, seen from another.
@@ -89,34 +94,33 @@ class CoreSum {
   int blocks() const { return (map_.orders() + 7) / 8; }
   int width() const { return 2 * (map_.orders() - 1); }
   std::size_t row_size() const { return kernels_.size() * blocks(); }
-  void set_smooth_part(int row, Lanes* const* out) const;
+  void set_smooth_part(int row, int level, int begin, int end, Lanes* out) const;
   int used_orders(double theta, double source) const;
   Source source_at(double theta, double source, double height) const;
   void sum_sources(std::span<const Source> sources, int used, Lanes* out, Scratch& scratch) const;
-  void fill_series(int i, int first, int last, Scratch& scratch) const;
+  void fill_series(double theta, int first, int last, Scratch& scratch) const;
+  void even_out(Scratch& scratch) const;
 
   const RowSpectrum& map_;
   const std::vector<GgxKernel>& kernels_;
   const std::vector<SmoothLevel>& smooth_;
   std::vector<Extrapolation> extrapolations_;
-  double cell_ = 0;
+  int rows_ = 0;
+  double cell_ = 0;  // height of a row of the map, rad
   int reach_ = 0;
   Folding folding_;
   std::vector<QuadratureNode> cell_nodes_;
 };
 
-void CoreSum::set_smooth_part(int row, Lanes* const* out) const {
-  for (std::size_t l = 0; l < kernels_.size(); ++l) {
-    std::fill_n(out[l], map_.orders(), Lanes{});
-    for (std::size_t k = 0; k < smooth_.size(); ++k) {
-      const Lanes* in = smooth_[k].spectrum.row(row);
-      Lanes* sum = out[l];
-      const double weight = extrapolations_[l].weight[k];
-      const int orders = std::min(smooth_[k].spectrum.orders(), map_.orders());
-      in_widest_registers([=]() __attribute__((always_inline)) {
-        for (int m = 0; m < orders; ++m) sum[m] += weight * in[m];
-      });
-    }
+void CoreSum::set_smooth_part(int row, int level, int begin, int end, Lanes* out) const {
+  std::fill_n(out, end - begin, Lanes{});
+  for (std::size_t k = 0; k < smooth_.size(); ++k) {
+    const StoredLanes* in = smooth_[k].spectrum.row(row);
+    const double weight = extrapolations_[level].weight[k];
+    const int last = std::min(smooth_[k].spectrum.orders(), end);
+    in_widest_registers([=]() __attribute__((always_inline)) {
+      for (int m = begin; m < last; ++m) out[m - begin] += weight * in[m].widen();
+    });
   }
 }
 
@@ -137,7 +141,8 @@ void CoreSum::sum_sources(std::span<const Source> sources, int used, Lanes* out,
     for (const Source& source : sources) {
       const CoreSeries series = core_series(beta, source.distance, source.weight * scale);
       add_series(series, used_blocks, sum);
-      if (used == map_.orders()) add_folded(series, folding_, sum);
+      // Only at the centres of the map's own texels.
+      if (used == map_.orders() && rows_ == map_.rows()) add_folded(series, folding_, sum);
     }
   };
   for (std::size_t k = 0; k < smooth_.size(); ++k)
@@ -155,26 +160,30 @@ void CoreSum::sum_sources(std::span<const Source> sources, int used, Lanes* out,
   }
 }
 
-// Rows close to i, and those at the poles, are integrated by Gauss's nodes; the others by the central difference of their
-// neighbours' samples, f + d2 f / 24.
-void CoreSum::fill_series(int i, int first, int last, Scratch& scratch) const {
-  const double theta = (i + 0.5) * cell_;
+// Rows close to theta, and those at the poles, are integrated by Gauss's nodes; the others by the central difference of
+// their neighbours' samples, f + d2 f / 24.
+void CoreSum::fill_series(double theta, int first, int last, Scratch& scratch) const {
+  const double at = theta / cell_ - 0.5;  // in rows of the map
+  const auto near = [&](int j) {
+    return std::abs(at - j) < kNearRows + 0.5 || j == 0 || j == map_.rows() - 1;
+  };
   const std::size_t size = row_size();
+  const int count = (last - first + kRowsAtOnce) / kRowsAtOnce * kRowsAtOnce;
   scratch.smooth.resize(smooth_.size() * blocks());
-  scratch.sampled.resize((last - first + 1) * size);
-  scratch.integrated.resize((last - first + 1) * size);
-  scratch.used.resize(last - first + 1);
+  scratch.sampled.resize(count * size);
+  scratch.integrated.resize(count * size);
+  scratch.used.assign(count, 0);
   for (int j = first; j <= last; ++j) {
-    // One row nearer to i, where more orders matter: the difference needs them on both sides.
-    const int nearer = j < i ? j + 1 : j > i ? j - 1 : j;
+    // One row nearer, where more orders matter: the difference needs them on both sides.
+    const double nearer = j < at - 1 ? j + 1 : j > at + 1 ? j - 1 : at;
     const int used = used_orders(theta, (nearer + 0.5) * cell_);
     const double centre = (j + 0.5) * cell_;
     scratch.used[j - first] = used;
-    if (std::abs(i - j) >= kNearRows) {
+    if (std::abs(at - j) > kNearRows - 0.6) {
       const Source row = source_at(theta, centre, cell_);
       sum_sources({&row, 1}, used, scratch.sampled.data() + (j - first) * size, scratch);
     }
-    if (std::abs(i - j) <= kNearRows || j == 0 || j == map_.rows() - 1) {
+    if (near(j)) {
       std::vector<Source> nodes;
       for (const QuadratureNode& node : cell_nodes_)
         nodes.push_back(source_at(theta, centre + node.x, node.weight));
@@ -182,7 +191,7 @@ void CoreSum::fill_series(int i, int first, int last, Scratch& scratch) const {
     }
   }
   for (int j = first; j <= last; ++j) {
-    if (std::abs(i - j) <= kNearRows || j == 0 || j == map_.rows() - 1) continue;
+    if (near(j)) continue;
     const Lanes* here = scratch.sampled.data() + (j - first) * size;
     // Where a neighbour's series ends, or the reach, there is nothing left that is worth a difference.
     const int before = j > first ? j - 1 : j, after = j < last ? j + 1 : j;
@@ -203,27 +212,66 @@ void CoreSum::fill_series(int i, int first, int last, Scratch& scratch) const {
   }
 }
 
-void CoreSum::convolve(int i, Lanes* const* north, Lanes* const* south, Scratch& scratch) const {
-  constexpr int kTile = 64;  // orders whose sums stay in the first cache while the rows go by
-  const int rows = map_.rows(), first = std::max(0, i - reach_), last = std::min(rows - 1, i + reach_);
-  set_smooth_part(i, north);
-  set_smooth_part(rows - 1 - i, south);
-  fill_series(i, first, last, scratch);
+// Rows that are summed together have as many orders as the one with the most.
+void CoreSum::even_out(Scratch& scratch) const {
+  for (std::size_t j = 0; j < scratch.used.size(); j += kRowsAtOnce) {
+    const int* used = scratch.used.data() + j;
+    const int most = (*std::max_element(used, used + kRowsAtOnce) + 7) / 8;
+    for (int r = 0; r < kRowsAtOnce; ++r) {
+      const int own = (used[r] + 7) / 8;
+      for (std::size_t l = 0; l < kernels_.size(); ++l)
+        std::fill_n(scratch.integrated.data() + (j + r) * row_size() + l * blocks() + own, most - own,
+                    Lanes{});
+    }
+  }
+}
+
+void CoreSum::convolve(int i, StoredLanes* const* north, StoredLanes* const* south, Scratch& scratch) const {
+  const int map_rows = map_.rows(), levels = static_cast<int>(kernels_.size());
+  const double theta = kPi * (i + 0.5) / rows_;
+  const int nearest = std::min(static_cast<int>(theta / cell_), map_rows - 1);
+  const int first = std::max(0, nearest - reach_), last = std::min(map_rows - 1, nearest + reach_);
+  fill_series(theta, first, last, scratch);
+  even_out(scratch);
+  scratch.sums.resize(std::size_t(2 * levels) * kTile);
   for (int begin = 0; begin < map_.orders(); begin += kTile) {
-    for (int j = first; j <= last; ++j) {
-      const int end = std::min(begin + kTile, scratch.used[j - first]);
-      const Lanes *north_map = map_.row(j), *south_map = map_.row(rows - 1 - j);
-      for (std::size_t l = 0; l < kernels_.size(); ++l) {
-        const double* core = reinterpret_cast<const double*>(scratch.integrated.data() +
-                                                             (j - first) * row_size() + l * blocks());
-        Lanes *north_sum = north[l], *south_sum = south[l];
+    const int end = std::min(begin + kTile, map_.orders());
+    const auto sums_of = [&](int l, int half) { return scratch.sums.data() + (2 * l + half) * kTile; };
+    for (int l = 0; l < levels; ++l) {
+      set_smooth_part(i, l, begin, end, sums_of(l, 0));
+      set_smooth_part(rows_ - 1 - i, l, begin, end, sums_of(l, 1));
+    }
+    for (int j = first; j <= last; j += kRowsAtOnce) {
+      const int* used = scratch.used.data() + (j - first);
+      const int until = std::min(end, *std::max_element(used, used + kRowsAtOnce));
+      const StoredLanes *north_map[kRowsAtOnce], *south_map[kRowsAtOnce];
+      for (int r = 0; r < kRowsAtOnce; ++r) {
+        const int row = std::min(j + r, map_rows - 1);  // those beyond the last weigh nothing
+        north_map[r] = map_.row(row);
+        south_map[r] = map_.row(map_rows - 1 - row);
+      }
+      for (int l = 0; l < levels; ++l) {
+        const double* core[kRowsAtOnce];
+        for (int r = 0; r < kRowsAtOnce; ++r)
+          core[r] = reinterpret_cast<const double*>(scratch.integrated.data() + (j + r - first) * row_size() +
+                                                    l * blocks());
+        Lanes *north_sum = sums_of(l, 0), *south_sum = sums_of(l, 1);
         in_widest_registers([=]() __attribute__((always_inline)) {
-          for (int m = begin; m < end; ++m) {
-            north_sum[m] += core[m] * north_map[m];
-            south_sum[m] += core[m] * south_map[m];
+          for (int m = begin; m < until; ++m) {
+            Lanes n = north_sum[m - begin], s = south_sum[m - begin];
+            for (int r = 0; r < kRowsAtOnce; ++r) {
+              n += core[r][m] * north_map[r][m].widen();
+              s += core[r][m] * south_map[r][m].widen();
+            }
+            north_sum[m - begin] = n;
+            south_sum[m - begin] = s;
           }
         });
       }
+    }
+    for (int l = 0; l < levels; ++l) {
+      store(sums_of(l, 0), end - begin, north[l] + begin);
+      store(sums_of(l, 1), end - begin, south[l] + begin);
     }
   }
 }
@@ -231,13 +279,13 @@ void CoreSum::convolve(int i, Lanes* const* north, Lanes* const* south, Scratch&
 }  // namespace
 
 std::vector<Image> convolve_sharp(const RowSpectrum& map, const std::vector<GgxKernel>& kernels,
-                                  const std::vector<SmoothLevel>& smooth, WorkerPool& pool) {
-  const int rows = map.rows(), orders = map.orders(), width = 2 * (orders - 1);
+                                  const std::vector<SmoothLevel>& smooth, BakeWork& work) {
+  const CoreSum core(map, kernels, smooth);
+  const int rows = core.rows(), orders = map.orders(), width = 2 * rows;
   const int count = static_cast<int>(kernels.size());
   std::vector<Image> images;
   for (int l = 0; l < count; ++l)
     images.push_back(make_image({width, rows}, 3, SampleType::kFloat32, ColorSpace::kLinear));
-  const CoreSum core(map, kernels, smooth);
   const RowFft fft(width);
 
   struct GroupScratch {
@@ -246,14 +294,14 @@ std::vector<Image> convolve_sharp(const RowSpectrum& map, const std::vector<GgxK
     RowFft::Scratch fft;
   };
   ScratchPool<GroupScratch> scratches;
-  using Pairs = RowPairs<Lanes>;
-  pool.parallel_for(Pairs::groups(rows), kGroupCost_us, [&](std::size_t group) {
+  using Pairs = RowPairs<StoredLanes>;
+  work.parallel_for(Pairs::groups(rows), kGroupCost_us, [&](std::size_t group) {
     const int first = static_cast<int>(group) * Pairs::kCount,
               last = std::min(first + Pairs::kCount, (rows + 1) / 2);
     ScratchPool<GroupScratch>::Lease scratch(scratches);
     std::vector<RowSpectrum>& sums = scratch->sums;
     while (static_cast<int>(sums.size()) < count) sums.emplace_back(2 * Pairs::kCount, orders);
-    std::vector<Lanes*> north(count), south(count);
+    std::vector<StoredLanes*> north(count), south(count);
     for (int i = first; i < last; ++i) {
       for (int l = 0; l < count; ++l) {
         north[l] = sums[l].row(i - first);

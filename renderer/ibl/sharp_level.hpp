@@ -8,16 +8,16 @@
 
 namespace furnace {
 
-// A level that the sphere transform has already made, on the rows of the map itself.
+// A level that the sphere transform has already made, on the rows of the result.
 struct SmoothLevel {
   GgxKernel kernel;
   RowSpectrum spectrum;
 };
 
-// The convolutions of `map` with `kernels`, sharpest first, all narrower than those of `smooth`, as equirects with the
-// rows of the map and twice as many columns (the derivation stands in the .cpp). The orders of `map` are those of such an
-// equirect. Threads: any; the result does not depend on the pool.
+// The convolutions of `map` with `kernels`, sharpest first, all narrower than those of `smooth`, as equirects with twice as
+// many columns as rows (the derivation stands in the .cpp). The orders of `map` are those of an equirect of its rows.
+// Threads: any; the result does not depend on the pool.
 std::vector<Image> convolve_sharp(const RowSpectrum& map, const std::vector<GgxKernel>& kernels,
-                                  const std::vector<SmoothLevel>& smooth, WorkerPool& pool);
+                                  const std::vector<SmoothLevel>& smooth, BakeWork& work);
 
 }  // namespace furnace

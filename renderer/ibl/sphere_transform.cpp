@@ -12,14 +12,14 @@ namespace furnace {
 namespace {
 
 // For the pool's choice of chunks only.
-constexpr double kGroupCost_us = 200;
+constexpr double kTexelCost_us = 0.2;  // times sixteen rows
 constexpr double kOrderCost_us = 50;
 
 // What one order contributes along a meridian, integrated over the height of each texel instead of sampled at its centre:
 // the adjoint of 1 + d2/24 - 17 d4/5760 + 367 d6/967680, the central-difference series of the mean over a cell (Hildebrand
 // 1974, "Introduction to Numerical Analysis"). The Legendre function times sin(theta) continues over a pole with the sign
 // -(-1)^m, so the data do too. `column` has three free elements before and after its `rows`.
-void integrate_cells(Lanes* column, int rows, int m, Lanes* out) {
+void integrate_cells(Lanes* column, int rows, int m, const std::vector<double>& sin_theta, Lanes* out) {
   constexpr double kD2 = 1.0 / 24, kD4 = -17.0 / 5760, kD6 = 367.0 / 967680;
   constexpr double c0 = 1 - 2 * kD2 + 6 * kD4 - 20 * kD6;
   constexpr double c1 = kD2 - 4 * kD4 + 15 * kD6;
@@ -30,48 +30,119 @@ void integrate_cells(Lanes* column, int rows, int m, Lanes* out) {
     column[-1 - k] = sign * column[k];
     column[rows + k] = sign * column[rows - 1 - k];
   }
+  const double* sine = sin_theta.data();
   in_widest_registers([=]() __attribute__((always_inline)) {
     for (int j = 0; j < rows; ++j) {
       const Lanes* p = column + j;
-      out[j] = c0 * p[0] + c1 * (p[-1] + p[1]) + c2 * (p[-2] + p[2]) + c3 * (p[-3] + p[3]);
+      out[j] = sine[j] * (c0 * p[0] + c1 * (p[-1] + p[1]) + c2 * (p[-2] + p[2]) + c3 * (p[-3] + p[3]));
     }
   });
 }
 
 // Neighbouring orders are taken together: the spectrum's rows are far apart in memory.
-constexpr int kOrdersAtOnce = 4;
+constexpr int kOrdersAtOnce = 8;
 
-void analyse_orders(const RowSpectrum& spectrum, const LegendreTable& table,
+// A map has more rows than the table's degrees ask for: what they weigh is handed over to fewer, by the adjoint of
+// Lagrange's interpolation of the Legendre functions between these. With two rows a degree the functions it is worst for are
+// the faintest by far of all kernels.
+class FewerRows {
+ public:
+  FewerRows(int rows, int bands) : rows_(rows), fewer_(rows >= 4 * bands ? 2 * bands : rows) {
+    if (fewer_ == rows_) return;
+    for (int j = 0; j < rows; ++j) {
+      const double x = (j + 0.5) * fewer_ / rows - 0.5, cell = std::floor(x);
+      Share share{static_cast<int>(cell) - kNodes / 2 + 1, {}};
+      for (int k = 0; k < kNodes; ++k) {
+        share.weight[k] = 1;
+        for (int other = 0; other < kNodes; ++other) {
+          if (other != k) share.weight[k] *= (x - (share.first + other)) / (k - other);
+        }
+      }
+      shares_.push_back(share);
+    }
+  }
+
+  int rows() const { return fewer_; }
+
+  // column: weighted values of order m -> the same on rows(). `padded`: rows() + 2 kNodes.
+  void hand_over(const Lanes* column, int m, Lanes* padded, Lanes* out) const {
+    if (fewer_ == rows_) {
+      std::copy_n(column, rows_, out);
+      return;
+    }
+    std::fill_n(padded, fewer_ + 2 * kNodes, Lanes{});
+    const int rows = rows_;
+    const Share* shares = shares_.data();
+    in_widest_registers([=]() __attribute__((always_inline)) {
+      for (int j = 0; j < rows; ++j) {
+        Lanes* to = padded + kNodes + shares[j].first;
+        for (int k = 0; k < kNodes; ++k) to[k] += shares[j].weight[k] * column[j];
+      }
+    });
+    std::copy_n(padded + kNodes, fewer_, out);
+    const double sign = m % 2 == 0 ? 1 : -1;  // of a Legendre function over a pole
+    for (int k = 0; k < kNodes; ++k) {
+      out[k] += sign * padded[kNodes - 1 - k];
+      out[fewer_ - 1 - k] += sign * padded[kNodes + fewer_ + k];
+    }
+  }
+
+  static constexpr int kNodes = 8;
+
+ private:
+  struct Share {
+    int first = 0;
+    double weight[kNodes] = {};
+  };
+
+  int rows_ = 0;
+  int fewer_ = 0;
+  std::vector<Share> shares_;
+};
+
+void analyse_orders(const RowSpectrum& spectrum, const LegendreTable& table, const FewerRows& fewer,
                     const std::vector<RowBlock>& blocks, int first, int last,
                     HarmonicCoefficients& coefficients) {
-  const int rows = spectrum.rows();
-  std::vector<Lanes> padded(std::size_t(rows + 6) * kOrdersAtOnce), column(rows), scratch(2 * table.bands());
-  for (int j = 0; j < rows; ++j)
-    for (int m = first; m < last; ++m)
-      padded[std::size_t(m - first) * (rows + 6) + j + 3] = spectrum.row(j)[m];
+  const int rows = spectrum.rows(), fewer_rows = fewer.rows();
+  std::vector<Lanes> padded(std::size_t(rows + 6) * kOrdersAtOnce), cells(rows), column(fewer_rows),
+      margins(fewer_rows + 2 * FewerRows::kNodes), scratch(2 * table.bands());
+  const double weight = 2 * std::numbers::pi * std::numbers::pi / rows;
+  in_widest_registers([&]() __attribute__((always_inline)) {
+    for (int j = 0; j < rows; ++j) {
+      const StoredLanes* row = spectrum.row(j);
+      for (int m = first; m < last; ++m)
+        padded[std::size_t(m - first) * (rows + 6) + j + 3] = weight * row[m].widen();
+    }
+  });
+  std::vector<double> sin_theta(rows);
+  for (int j = 0; j < rows; ++j) sin_theta[j] = std::sin(std::numbers::pi * (j + 0.5) / rows);
 
   for (int m = first; m < last; ++m) {
-    integrate_cells(padded.data() + std::size_t(m - first) * (rows + 6) + 3, rows, m, column.data());
+    integrate_cells(padded.data() + std::size_t(m - first) * (rows + 6) + 3, rows, m, sin_theta,
+                    cells.data());
+    fewer.hand_over(cells.data(), m, margins.data(), column.data());
     const LegendreOrder legendre(table, m, table.bands());
     for (std::size_t b = legendre.first_block(blocks) / 2 * 2; b < blocks.size(); b += 2) {
-      Lanes even[16] = {},
-            odd[16] = {};  // rows that only fill up a block count as 0, not as whatever was there
-      for (int i = 0; i < 16; ++i) {
-        const int j = static_cast<int>(b) * 8 + i, mirror = rows - 1 - j;
-        if (j > mirror) break;
-        const double sin_theta = std::sin(std::numbers::pi * (j + 0.5) / rows);
-        const double weight = 2 * std::numbers::pi * std::numbers::pi / rows * sin_theta;
-        const Lanes south = mirror == j ? Lanes{} : column[mirror];
-        even[i] = weight * (column[j] + south);
-        odd[i] = weight * (column[j] - south);
-      }
+      // Rows that only fill up a block count as 0, not as whatever was there.
+      Lanes even[16] = {}, odd[16] = {};
+      const int begin = static_cast<int>(b) * 8;
+      in_widest_registers([&]() __attribute__((always_inline)) {
+        for (int i = 0; i < 16; ++i) {
+          const int j = begin + i, mirror = fewer_rows - 1 - j;
+          if (j > mirror) break;
+          const Lanes south = mirror == j ? Lanes{} : column[mirror];
+          even[i] = column[j] + south;
+          odd[i] = column[j] - south;
+        }
+      });
       legendre.add_to_degrees(blocks[b], blocks[b + 1], even, odd, coefficients.order(m), scratch.data());
     }
   }
 }
 
-// Planes of eight rows of the north -> the colours of rows j, j + 1, ... and of their mirror images.
-void store_rows(const Lanes* even, const Lanes* odd, int j, int count, int m, RowSpectrum& spectrum) {
+// Planes of eight rows of the north -> the colours of rows j, j + 1, ... of `orders` orders, and of their mirror images.
+[[gnu::always_inline]] inline void store_rows(const Lanes* even, const Lanes* odd, int j, int count, int rows,
+                                              StoredLanes* column) {
   Lanes north[8] = {}, south[8] = {};
   for (int c = 0; c < LegendreOrder::kPlanes; ++c) {
     north[c] = even[c] + odd[c];
@@ -80,32 +151,33 @@ void store_rows(const Lanes* even, const Lanes* odd, int j, int count, int m, Ro
   transpose(north);
   transpose(south);
   for (int i = 0; i < count; ++i) {
-    spectrum.row(spectrum.rows() - 1 - j - i)[m] = south[i];
-    spectrum.row(j + i)[m] = north[i];
+    column[std::size_t(rows - 1 - j - i) * kOrdersAtOnce] = StoredLanes::of(south[i]);
+    column[std::size_t(j + i) * kOrdersAtOnce] = StoredLanes::of(north[i]);
   }
 }
 
+// column: of row 0; that of the next row is kOrdersAtOnce further on.
 void synthesise_order(const HarmonicCoefficients& coefficients, const LegendreTable& table,
-                      const std::vector<double>& kernel, const std::vector<RowBlock>& blocks, int m,
-                      RowSpectrum& spectrum) {
+                      const std::vector<double>& kernel, const std::vector<RowBlock>& blocks, int m, int rows,
+                      std::vector<double>& scaled, StoredLanes* column) {
   constexpr int n = LegendreOrder::kPlanes;
   const LegendreOrder legendre(table, m, static_cast<int>(kernel.size()));
-  std::vector<double> scaled(std::size_t(legendre.degrees()) * n);
   const Lanes* source = coefficients.order(m);
   for (int k = 0; k < legendre.degrees(); ++k)
     for (int c = 0; c < n; ++c) scaled[k * n + c] = kernel[m + k] * source[k][c];
 
-  const int rows = spectrum.rows();
   const std::size_t first = legendre.first_block(blocks) / 2 * 2;
   for (int j = 0; j < std::min<int>(static_cast<int>(first) * 8, (rows + 1) / 2); ++j)
-    spectrum.row(j)[m] = spectrum.row(rows - 1 - j)[m] = Lanes{};
+    column[std::size_t(j) * kOrdersAtOnce] = column[std::size_t(rows - 1 - j) * kOrdersAtOnce] =
+        StoredLanes{};
   for (std::size_t b = first; b < blocks.size(); b += 2) {
     Lanes even[2 * n], odd[2 * n];
     legendre.sum_degrees(blocks[b], blocks[b + 1], scaled.data(), even, odd);
-    for (int half = 0; half < 2; ++half) {
-      const int j = static_cast<int>(b + half) * 8;
-      store_rows(even + half * n, odd + half * n, j, blocks[b + half].rows, m, spectrum);
-    }
+    const int j = static_cast<int>(b) * 8, upper = blocks[b].rows, lower = blocks[b + 1].rows;
+    in_widest_registers([ =, &even, &odd ]() __attribute__((always_inline)) {
+      store_rows(even, odd, j, upper, rows, column);
+      store_rows(even + n, odd + n, j + 8, lower, rows, column);
+    });
   }
 }
 
@@ -114,39 +186,37 @@ void synthesise_order(const HarmonicCoefficients& coefficients, const LegendreTa
 RowSpectrum::RowSpectrum(int rows, int orders)
     : rows_(rows),
       orders_(orders),
-      values_(std::make_unique_for_overwrite<Lanes[]>(std::size_t(rows) * orders)) {}
+      values_(std::make_unique_for_overwrite<StoredLanes[]>(std::size_t(rows) * orders)) {}
 
 HarmonicCoefficients::HarmonicCoefficients(int bands_)
     : bands(bands_), values(std::size_t(bands_) * (bands_ + 1) / 2) {}
 
-RowSpectrum spectrum_of_equirect(const Image& equirect, WorkerPool& pool, int most,
-                                 const Deadline& deadline) {
+RowSpectrum spectrum_of_equirect(const Image& equirect, BakeWork& work, int most) {
   const auto [width, rows] = equirect.extent;
   RowSpectrum spectrum(rows, std::min(most, width / 2 + 1));
   const RowFft fft(width);
   ScratchPool<RowFft::Scratch> scratches;
   const float* texels = equirect.samples<float>().data();
-  pool.parallel_for(
-      RowPairs<Lanes>::groups(rows), kGroupCost_us, [&, width = width, rows = rows](std::size_t group) {
-        check_deadline(deadline, "environment: rows");
-        ScratchPool<RowFft::Scratch>::Lease scratch(scratches);
-        const int first = static_cast<int>(group) * RowPairs<Lanes>::kCount;
-        fft.spectra_of_texels({first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }},
-                              spectrum.orders(), {first, rows, [&](int j) { return spectrum.row(j); }},
-                              *scratch);
-      });
+  work.parallel_for(RowPairs<StoredLanes>::groups(rows), kTexelCost_us * width,
+                    [&, width = width, rows = rows](std::size_t group) {
+                      ScratchPool<RowFft::Scratch>::Lease scratch(scratches);
+                      const int first = static_cast<int>(group) * RowPairs<StoredLanes>::kCount;
+                      fft.spectra_of_texels(
+                          {first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }},
+                          spectrum.orders(), {first, rows, [&](int j) { return spectrum.row(j); }}, *scratch);
+                    });
   return spectrum;
 }
 
-Image equirect_of_spectrum(const RowSpectrum& spectrum, int width, WorkerPool& pool) {
+Image equirect_of_spectrum(const RowSpectrum& spectrum, int width, BakeWork& work) {
   const int rows = spectrum.rows();
   Image equirect = make_image({width, rows}, 3, SampleType::kFloat32, ColorSpace::kLinear);
   const RowFft fft(width);
   ScratchPool<RowFft::Scratch> scratches;
   float* texels = equirect.samples<float>().data();
-  pool.parallel_for(RowPairs<Lanes>::groups(rows), kGroupCost_us, [&](std::size_t group) {
+  work.parallel_for(RowPairs<StoredLanes>::groups(rows), kTexelCost_us * width, [&](std::size_t group) {
     ScratchPool<RowFft::Scratch>::Lease scratch(scratches);
-    const int first = static_cast<int>(group) * RowPairs<Lanes>::kCount;
+    const int first = static_cast<int>(group) * RowPairs<StoredLanes>::kCount;
     fft.texels_of_spectra({first, rows, [&](int j) { return spectrum.row(j); }}, spectrum.orders(),
                           {first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }},
                           *scratch);
@@ -154,26 +224,36 @@ Image equirect_of_spectrum(const RowSpectrum& spectrum, int width, WorkerPool& p
   return equirect;
 }
 
-HarmonicCoefficients analyse(const RowSpectrum& spectrum, const LegendreTable& table, WorkerPool& pool) {
+HarmonicCoefficients analyse(const RowSpectrum& spectrum, const LegendreTable& table, BakeWork& work) {
   HarmonicCoefficients coefficients(table.bands());
-  const std::vector<RowBlock> blocks = northern_blocks(spectrum.rows());
+  const FewerRows fewer(spectrum.rows(), table.bands());
+  const std::vector<RowBlock> blocks = northern_blocks(fewer.rows());
   const int orders = std::min(table.bands(), spectrum.orders());
   const int tasks = (orders + kOrdersAtOnce - 1) / kOrdersAtOnce;
-  pool.parallel_for(tasks, kOrderCost_us * kOrdersAtOnce, [&](std::size_t task) {
+  work.parallel_for(tasks, kOrderCost_us * kOrdersAtOnce, [&](std::size_t task) {
     const int first = static_cast<int>(task) * kOrdersAtOnce;
-    analyse_orders(spectrum, table, blocks, first, std::min(first + kOrdersAtOnce, orders), coefficients);
+    analyse_orders(spectrum, table, fewer, blocks, first, std::min(first + kOrdersAtOnce, orders),
+                   coefficients);
   });
   return coefficients;
 }
 
 RowSpectrum synthesise(const HarmonicCoefficients& coefficients, const LegendreTable& table,
-                       const std::vector<double>& kernel, int rows, WorkerPool& pool) {
+                       const std::vector<double>& kernel, int rows, BakeWork& work) {
   FURNACE_CHECK(static_cast<int>(kernel.size()) <= coefficients.bands && coefficients.bands == table.bands(),
                 "{} degrees of {}", kernel.size(), coefficients.bands);
-  RowSpectrum spectrum(rows, static_cast<int>(kernel.size()));
+  const int orders = static_cast<int>(kernel.size());
+  RowSpectrum spectrum(rows, orders);
   const std::vector<RowBlock> blocks = northern_blocks(rows);
-  pool.parallel_for(kernel.size(), kOrderCost_us, [&](std::size_t m) {
-    synthesise_order(coefficients, table, kernel, blocks, static_cast<int>(m), spectrum);
+  const int tasks = (orders + kOrdersAtOnce - 1) / kOrdersAtOnce;
+  work.parallel_for(tasks, kOrderCost_us * kOrdersAtOnce, [&](std::size_t task) {
+    const int first = static_cast<int>(task) * kOrdersAtOnce, last = std::min(first + kOrdersAtOnce, orders);
+    std::vector<double> scaled(std::size_t(orders) * LegendreOrder::kPlanes);
+    std::vector<StoredLanes> columns(std::size_t(rows) * kOrdersAtOnce);
+    for (int m = first; m < last; ++m)
+      synthesise_order(coefficients, table, kernel, blocks, m, rows, scaled, columns.data() + (m - first));
+    for (int j = 0; j < rows; ++j)
+      std::copy_n(columns.data() + std::size_t(j) * kOrdersAtOnce, last - first, spectrum.row(j) + first);
   });
   return spectrum;
 }

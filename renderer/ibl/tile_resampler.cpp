@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "renderer/base/check.hpp"
+#include "renderer/ibl/lanes.hpp"
 
 namespace furnace {
 
@@ -23,7 +24,7 @@ struct Tap {
 
 // The cubic through four samples, between the middle two (Keys 1981, "Cubic Convolution Interpolation for Digital Image
 // Processing").
-Tap tap_at(double position, int count) {
+[[gnu::always_inline]] inline Tap tap_at(double position, int count) {
   const double x = std::clamp(position, -0.5, count - 0.5);
   const int cell = static_cast<int>(std::floor(x));
   const double s = x - cell;
@@ -33,24 +34,41 @@ Tap tap_at(double position, int count) {
        static_cast<float>(s * (0.5 + s * (2 - 1.5 * s))), static_cast<float>(s * s * (-0.5 + 0.5 * s))}};
 }
 
-Quad::Vector min(const Quad::Vector& a, const Quad::Vector& b) {
+[[gnu::always_inline]] inline Quad::Vector min(const Quad::Vector& a, const Quad::Vector& b) {
   return a < b ? a : b;
 }
-Quad::Vector max(const Quad::Vector& a, const Quad::Vector& b) {
+[[gnu::always_inline]] inline Quad::Vector max(const Quad::Vector& a, const Quad::Vector& b) {
   return a > b ? a : b;
 }
 
+// Four texels of a row.
+struct Window {
+  typedef float Vector __attribute__((vector_size(64)));
+  Vector v;
+};
+
+[[gnu::always_inline]] inline Window weights_of(const Tap& column) {
+  Window weights;
+  for (int k = 0; k < 16; ++k) weights.v[k] = column.weight[k / 4];
+  return weights;
+}
+
 // Bicubic, but not below half of the least of the four samples around: beside a sun a cubic undershoots.
-Quad sample(const Quad* padded, int stride, const Tap& column, const Tap& row) {
-  const Quad* window = padded + std::size_t(row.first) * stride + column.first;
-  Quad::Vector sum = {};
+[[gnu::always_inline]] inline Quad sample(const Quad* padded, int stride, int first_column,
+                                          const Window& columns, const Tap& row) {
+  const Quad* corner = padded + std::size_t(row.first) * stride + first_column;
+  Window::Vector sum = {};
   for (int b = 0; b < 4; ++b) {
-    const Quad* p = window + std::size_t(b) * stride;
-    sum += row.weight[b] * (column.weight[0] * p[0].v + column.weight[1] * p[1].v +
-                            column.weight[2] * p[2].v + column.weight[3] * p[3].v);
+    Window window;
+    __builtin_memcpy(&window, corner + std::size_t(b) * stride, sizeof(window));
+    sum += row.weight[b] * window.v;
   }
-  const Quad *upper = window + stride + 1, *lower = upper + stride;
-  return {max(sum, 0.5f * min(min(upper[0].v, upper[1].v), min(lower[0].v, lower[1].v)))};
+  sum *= columns.v;
+  Quad::Vector part[4];
+  __builtin_memcpy(part, &sum, sizeof(part));
+  const Quad *upper = corner + stride + 1, *lower = upper + stride;
+  return {max((part[0] + part[1]) + (part[2] + part[3]),
+              0.5f * min(min(upper[0].v, upper[1].v), min(lower[0].v, lower[1].v)))};
 }
 
 }  // namespace
@@ -101,28 +119,35 @@ void TileResampler::pad(const Image& equirect) {
 void TileResampler::sample_all(int inner) {
   sampled_.resize(std::size_t(inner) * inner);
   const int half = inner / 2, stride = width_ + 2 * kMargin;
-  pool_.parallel_for((half + 1) / 2, kSampleCost_us * 8 * half, [&](std::size_t index) {
+  const int width = width_, height = height_;
+  const Quad* padded = padded_.data();
+  Quad* out = sampled_.data();
+  pool_.parallel_for((half + 1) / 2, kSampleCost_us * 8 * half, [=](std::size_t index) {
     const int b = static_cast<int>(index);
-    for (int a = b; a + b < half; ++a) {
-      const double x = (2 * a + 1) / double(inner), z = (2 * b + 1) / double(inner);
-      const double phi = std::atan2(z, x), theta = std::atan2(std::hypot(x, z), 1 - x - z);
-      const double north = theta / kPi * height_ - 0.5;
-      const Tap rows[2] = {tap_at(north, height_), tap_at(height_ - 1 - north, height_)};
-      for (int symmetry = 0; symmetry < 8; ++symmetry) {
-        const bool swap = symmetry & 1, minus_x = symmetry & 2, minus_z = symmetry & 4;
-        double angle = swap ? kPi / 2 - phi : phi;
-        if (minus_x) angle = kPi - angle;
-        if (minus_z) angle = -angle;
-        const Tap column = tap_at((angle / (2 * kPi) + 0.5) * width_ - 0.5, width_);
-        for (int south = 0; south < 2; ++south) {
-          // The southern half is folded outwards: (x, z) -> (1 - z, 1 - x).
-          const int from_x = swap ? b : a, from_z = swap ? a : b;
-          const int i = south ? half - 1 - from_z : from_x, j = south ? half - 1 - from_x : from_z;
-          const int to_i = minus_x ? half - 1 - i : half + i, to_j = minus_z ? half - 1 - j : half + j;
-          sampled_[std::size_t(to_j) * inner + to_i] = sample(padded_.data(), stride, column, rows[south]);
+    in_widest_registers([=]() __attribute__((always_inline)) {
+      for (int a = b; a + b < half; ++a) {
+        const double x = (2 * a + 1) / double(inner), z = (2 * b + 1) / double(inner);
+        const double phi = std::atan2(z, x), theta = std::atan2(std::sqrt(x * x + z * z), 1 - x - z);
+        const double north = theta / kPi * height - 0.5;
+        const Tap rows[2] = {tap_at(north, height), tap_at(height - 1 - north, height)};
+        for (int symmetry = 0; symmetry < 8; ++symmetry) {
+          const bool swap = symmetry & 1, minus_x = symmetry & 2, minus_z = symmetry & 4;
+          double angle = swap ? kPi / 2 - phi : phi;
+          if (minus_x) angle = kPi - angle;
+          if (minus_z) angle = -angle;
+          const Tap column = tap_at((angle / (2 * kPi) + 0.5) * width - 0.5, width);
+          const Window columns = weights_of(column);
+          for (int south = 0; south < 2; ++south) {
+            // The southern half is folded outwards: (x, z) -> (1 - z, 1 - x).
+            const int from_x = swap ? b : a, from_z = swap ? a : b;
+            const int i = south ? half - 1 - from_z : from_x, j = south ? half - 1 - from_x : from_z;
+            const int to_i = minus_x ? half - 1 - i : half + i, to_j = minus_z ? half - 1 - j : half + j;
+            out[std::size_t(to_j) * inner + to_i] =
+                sample(padded, stride, column.first, columns, rows[south]);
+          }
         }
       }
-    }
+    });
   });
 }
 

@@ -36,6 +36,21 @@ void tell(const char* stage, const std::string& what) {
   }
 }
 
+// One line that is written over on a terminal; elsewhere a line of the log each quarter.
+BakeProgress tell_progress() {
+  const bool terminal = ::isatty(STDERR_FILENO) == 1;
+  return [terminal, told = 0](double fraction) mutable {
+    const int percent = int(100 * fraction), step = terminal ? 1 : 25;
+    if (percent < told + step) return;
+    told = percent / step * step;
+    if (terminal) {
+      fmt::print(stderr, "\rbake: {} %{}", percent, percent == 100 ? "\n" : "");
+    } else {
+      log::info("bake.progress", {{"percent", percent}});
+    }
+  };
+}
+
 void make_folder(const fs::path& folder) {
   std::error_code wrong;
   fs::create_directories(folder, wrong);
@@ -51,6 +66,7 @@ int bake(const Arguments& arguments) {
   EnvironmentBakeSettings settings;
   if (arguments.method == "riemann") settings.irradiance = IrradianceMethod::kRiemann;
   if (arguments.sun == "extract") settings.sun = SunMode::kExtract;
+  settings.progress = tell_progress();
   WorkerPool pool(arguments.threads > 0 ? arguments.threads
                                         : int(std::max(1u, std::thread::hardware_concurrency())));
   tell("begin", arguments.input);

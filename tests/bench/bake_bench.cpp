@@ -199,8 +199,10 @@ Json run(const std::string&) {
     fmt::print("there is no {}: nothing to bake\n", kData.string());
     return Json::array();
   }
-  // FURNACE_BENCH_JUDGE=0 leaves the errors out: they take minutes. FURNACE_BENCH_MAP=NAME bakes one.
-  const char *choice = std::getenv("FURNACE_BENCH_JUDGE"), *only = std::getenv("FURNACE_BENCH_MAP");
+  // FURNACE_BENCH_JUDGE=0 leaves the errors out: they take minutes. FURNACE_BENCH_MAP=NAME bakes one,
+  // FURNACE_BENCH_LARGE=0 leaves out what is enlarged from it.
+  const char *choice = std::getenv("FURNACE_BENCH_JUDGE"), *only = std::getenv("FURNACE_BENCH_MAP"),
+             *large = std::getenv("FURNACE_BENCH_LARGE");
   const bool judge = choice == nullptr || std::string(choice) != "0";
   std::vector<fs::path> paths;
   for (const fs::directory_entry& entry : fs::directory_iterator(kData)) {
@@ -223,7 +225,7 @@ Json run(const std::string&) {
     const Blob file(read_file(path, 1ll << 30));
     const auto map = std::make_shared<const Image>(decode_environment(file, {}).equirect);
     rows.push_back(bench_map(path.stem().string(), map, judge));
-    if (&path != &paths.back()) continue;
+    if (&path != &paths.back() || (large != nullptr && std::string(large) == "0")) continue;
     for (int width : {4096, 8192}) {
       const int factor = width / map->extent.width;
       const std::string name = fmt::format("{}, {} times", path.stem().string(), factor);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <stop_token>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -205,6 +207,47 @@ TEST(Bake, StopsAtTheDeadline) {
     FAIL() << "baked after its time";
   } catch (const Error& error) {
     EXPECT_EQ(error.code, ErrorCode::kDeadlineExceeded);
+  }
+}
+
+TEST(Bake, ReportsHowFarItHasCome) {
+  for (bool charlie : {false, true}) {
+    WorkerPool pool(3);
+    std::vector<double> fractions;
+    const std::thread::id caller = std::this_thread::get_id();
+    bool elsewhere = false;
+    const BakeProgress report = [&](double fraction) {
+      fractions.push_back(fraction);
+      elsewhere |= std::this_thread::get_id() != caller;
+    };
+    bake_environment(sunny_map({64, 32}, 3), {}, pool, {},
+                     BakeSettings{.charlie = charlie, .progress = report});
+    EXPECT_FALSE(elsewhere);
+    ASSERT_GE(fractions.size(), 10u);
+    EXPECT_EQ(fractions.front(), 0);
+    EXPECT_EQ(fractions.back(), 1);
+    EXPECT_LT(fractions[fractions.size() - 2], 1 + 1e-9) << "the shares of the stages add up to more than 1";
+    EXPECT_GT(fractions[fractions.size() - 2], 0.9) << "the shares of the stages add up to less than 1";
+    for (std::size_t k = 1; k < fractions.size(); ++k) EXPECT_GT(fractions[k], fractions[k - 1]);
+  }
+}
+
+// Wherever a bake is told to stop, it does little more: here the request is withdrawn in the midst of each stage.
+TEST(Bake, StopsInTheMidstOfAStage) {
+  for (double stop_at : {0.02, 0.3, 0.6, 0.9}) {
+    WorkerPool pool(2);
+    std::stop_source source;
+    double last = 0;
+    const BakeProgress report = [&](double fraction) {
+      last = fraction;
+      if (fraction >= stop_at) source.request_stop();
+    };
+    EXPECT_THROW(bake_environment(sunny_map({64, 32}, 3), {}, pool,
+                                  Deadline(std::chrono::hours(1), source.get_token()),
+                                  BakeSettings{.charlie = true, .progress = report}),
+                 Error);
+    EXPECT_GE(last, stop_at);
+    EXPECT_LE(last, stop_at + 0.1);
   }
 }
 

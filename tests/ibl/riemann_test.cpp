@@ -44,11 +44,12 @@ Image riemann(const Image& map, int rows, int threads = 2) {
 // By spherical harmonics, at the centres of the same texels: no reading between texels blurs the comparison.
 Image spectral(const Image& map, int rows) {
   WorkerPool pool(2);
+  BakeWork work(pool);
   const int bands = std::min(512, map.extent.height);
   const LegendreTable table(bands);
-  const HarmonicCoefficients coefficients = analyse(spectrum_of_equirect(map, pool), table, pool);
+  const HarmonicCoefficients coefficients = analyse(spectrum_of_equirect(map, work), table, work);
   const std::vector<double> kernel = zonal_coefficients(GgxKernel(1), 1, bands);
-  return equirect_of_spectrum(synthesise(coefficients, table, kernel, rows, pool), 2 * rows, pool);
+  return equirect_of_spectrum(synthesise(coefficients, table, kernel, rows, work), 2 * rows, work);
 }
 
 double error_of(const Image& computed, const Image& expected) {

@@ -116,6 +116,7 @@ double mode(int l, int m, double theta) {
 
 TEST(SphereTransform, FindsSingleModesAndScalesThem) {
   WorkerPool pool(1);
+  BakeWork work(pool);
   const LegendreTable table(16);
   constexpr int kModes[][2] = {{0, 0}, {1, 0}, {2, 1}, {2, 2}, {3, 3}};
   for (const auto& [l, m] : kModes) {
@@ -128,8 +129,8 @@ TEST(SphereTransform, FindsSingleModesAndScalesThem) {
         texel[1] = static_cast<float>(2 + mode(l, m, theta) * std::sin(m * phi));
       }
     }
-    const RowSpectrum spectrum = spectrum_of_equirect(map, pool);
-    const HarmonicCoefficients a = analyse(spectrum, table, pool);
+    const RowSpectrum spectrum = spectrum_of_equirect(map, work);
+    const HarmonicCoefficients a = analyse(spectrum, table, work);
     const double half = m == 0 ? 1 : 0.5;  // cos = (e^+ + e^-) / 2
     // Texels are constant over their area: a mode shrinks by about l (l + 1) h^2 / 24 < 1.3e-3, and others appear as little.
     for (int order = 0; order < 4; ++order) {
@@ -144,7 +145,7 @@ TEST(SphereTransform, FindsSingleModesAndScalesThem) {
     }
     std::vector<double> kernel(16, 0.0);
     kernel[l] = 0.25;
-    const Image scaled = equirect_of_spectrum(synthesise(a, table, kernel, 20, pool), 40, pool);
+    const Image scaled = equirect_of_spectrum(synthesise(a, table, kernel, 20, work), 40, work);
     for (int j = 0; j < 20; ++j) {
       for (int i = 0; i < 40; ++i) {
         const double theta = kPi * (j + 0.5) / 20, phi = 2 * kPi * (i + 0.5) / 40;
@@ -158,11 +159,12 @@ TEST(SphereTransform, FindsSingleModesAndScalesThem) {
 TEST(SphereTransform, ATexelIsItsAreaNotItsCentre) {
   // One texel of value 1: a_lm is the integral of the conjugate mode over it, by a fine sum here.
   WorkerPool pool(1);
+  BakeWork work(pool);
   const LegendreTable table(24);
   for (int row : {0, 1, 2, 9, 31}) {
     Image map = make_image({64, 32}, 3, SampleType::kFloat32, ColorSpace::kLinear);
     map.samples<float>()[(row * 64 + 5) * 3] = 1;
-    const HarmonicCoefficients a = analyse(spectrum_of_equirect(map, pool), table, pool);
+    const HarmonicCoefficients a = analyse(spectrum_of_equirect(map, work), table, work);
     for (const auto& [l, m] : {std::pair{1, 0}, {2, 1}, {2, 2}, {3, 3}}) {
       std::complex<double> sum = 0;
       constexpr int kParts = 200;
@@ -183,12 +185,13 @@ TEST(SphereTransform, ATexelIsItsAreaNotItsCentre) {
 
 TEST(SphereTransform, OddNumbersOfRows) {
   WorkerPool pool(1);
+  BakeWork work(pool);
   const LegendreTable table(12);
   Image map = make_image({54, 27}, 3, SampleType::kFloat32, ColorSpace::kLinear);
   for (float& sample : map.samples<float>()) sample = 3;
-  const HarmonicCoefficients a = analyse(spectrum_of_equirect(map, pool), table, pool);
+  const HarmonicCoefficients a = analyse(spectrum_of_equirect(map, work), table, work);
   const Image back =
-      equirect_of_spectrum(synthesise(a, table, std::vector<double>(12, 1.0), 9, pool), 18, pool);
+      equirect_of_spectrum(synthesise(a, table, std::vector<double>(12, 1.0), 9, work), 18, work);
   // The midpoints of 27 rows do not integrate the higher Legendre polynomials of a constant to exactly 0: 1.5e-4 is left.
   for (float sample : back.samples<float>()) EXPECT_NEAR(sample, 3, 5e-4);
 }
