@@ -133,6 +133,7 @@ Texts texts_of(const ContentHash& key, const StoredBake& bake) {
       {"furnace.summary.horizontalIlluminanceLux", fmt::format("{}", summary.horizontal_illuminance_lux)},
       {"furnace.summary.bakeMs", fmt::format("{}", summary.bake_ms)},
       {"furnace.summary.suns", text_of(numbers_of(summary.suns))},
+      {"furnace.summary.sunsExtracted", fmt::format("{}", int(summary.suns_extracted))},
       {"furnace.notes", fmt::format("{}", bake.notes.size())},
   };
   for (std::size_t i = 0; i < bake.notes.size(); ++i) {
@@ -155,6 +156,7 @@ EnvironmentSummary summary_of(const Texts& texts) {
   summary.horizontal_illuminance_lux = number_of<double>(texts, "furnace.summary.horizontalIlluminanceLux");
   summary.bake_ms = number_of<double>(texts, "furnace.summary.bakeMs");
   summary.suns = suns_of(texts, "furnace.summary.suns");
+  summary.suns_extracted = number_of<int>(texts, "furnace.summary.sunsExtracted") != 0;
   return summary;
 }
 

@@ -72,20 +72,22 @@ DecodedEnvironment EnvironmentStore::decode(const EnvironmentMapSpec& map, const
   return {constant_environment(std::get<EnvironmentColor>(map).radiance), {}};
 }
 
-StoredBake EnvironmentStore::bake(const EnvironmentMapSpec& map, const ContentHash& key,
+StoredBake EnvironmentStore::bake(const EnvironmentMapSpec& map, bool extracts_suns, const ContentHash& key,
                                   const Deadline& deadline, StageTimes& times) const {
   DecodedEnvironment decoded = decode(map, "/environment/map", times);
   const Stopwatch watch(times.bake_ms);
-  StoredBake made{prepare_environment(std::move(decoded.equirect), key, pool_, deadline),
+  StoredBake made{prepare_environment(std::move(decoded.equirect), extracts_suns, key, pool_, deadline),
                   repair_notes(decoded.repairs)};
   made.environment.summary.repairs = decoded.repairs;
   return made;
 }
 
-std::shared_ptr<const StoredBake> EnvironmentStore::baked(const EnvironmentMapSpec& map,
+std::shared_ptr<const StoredBake> EnvironmentStore::baked(const EnvironmentMapSpec& map, SunMode sun,
                                                           const Deadline& deadline, StageTimes& times) {
   CacheOutcome outcome = CacheOutcome::kLoaded;
-  const ContentHash key = map_key(map);
+  const bool extracts_suns = sun == SunMode::kExtract;
+  const ContentHash key =
+      extracts_suns ? HashBuilder().add("without suns").add(map_key(map)).finish() : map_key(map);
   // A constant colour is baked sooner than read.
   BakeStore* store = std::holds_alternative<EnvironmentColor>(map) ? nullptr : bake_store_.get();
   auto environment = baked_.get_or_load(
@@ -98,7 +100,7 @@ std::shared_ptr<const StoredBake> EnvironmentStore::baked(const EnvironmentMapSp
             return *std::move(stored);
           }
         }
-        return bake(map, key, deadline, times);
+        return bake(map, extracts_suns, key, deadline, times);
       },
       &outcome);
   // Here, not in the load: those who wait for the bake need not wait for the disk.

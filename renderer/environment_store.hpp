@@ -18,8 +18,8 @@ class EnvironmentStore {
 
   // From memory, from disk, or baked. Adds to decode_ms and bake_ms of `times`. Errors: those of decoding and baking, with the
   // pointer /environment/map.
-  std::shared_ptr<const StoredBake> baked(const EnvironmentMapSpec& map, const Deadline& deadline,
-                                          StageTimes& times);
+  std::shared_ptr<const StoredBake> baked(const EnvironmentMapSpec& map, SunMode sun,
+                                          const Deadline& deadline, StageTimes& times);
 
   // A map to be looked at only. Errors: the same, with the pointer /environment/background/map.
   std::shared_ptr<const PreparedSky> background(const EnvironmentMapSpec& map, double blur_rad,
@@ -27,8 +27,8 @@ class EnvironmentStore {
 
  private:
   DecodedEnvironment decode(const EnvironmentMapSpec& map, const char* pointer, StageTimes& times) const;
-  StoredBake bake(const EnvironmentMapSpec& map, const ContentHash& key, const Deadline& deadline,
-                  StageTimes& times) const;
+  StoredBake bake(const EnvironmentMapSpec& map, bool extracts_suns, const ContentHash& key,
+                  const Deadline& deadline, StageTimes& times) const;
 
   const DecodeLimits limits_;
   WorkerPool& pool_;

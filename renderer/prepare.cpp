@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <fmt/format.h>
 
 #include "renderer/base/error.hpp"
 #include "renderer/ibl/baked_environment.hpp"
+#include "renderer/image/color.hpp"
 
 namespace furnace {
 namespace {
@@ -107,20 +109,37 @@ PreparedSky prepare_sky(const Image& radiance, const ContentHash& key, WorkerPoo
   return sky;
 }
 
-PreparedEnvironment prepare_environment(Image radiance, const ContentHash& key, WorkerPool& pool,
-                                        const Deadline& deadline) {
+PreparedEnvironment prepare_environment(Image radiance, bool extracts_suns, const ContentHash& key,
+                                        WorkerPool& pool, const Deadline& deadline) {
   PreparedEnvironment out;
+  EnvironmentSummary& summary = out.summary;
   out.key = key;
+  summary.suns_extracted = extracts_suns;
+  if (extracts_suns) {
+    SunExtraction extraction = extract_suns(radiance, deadline);
+    summary.suns = std::move(extraction.suns);
+    radiance = std::move(extraction.residual);
+  } else {
+    summary.suns = find_suns(radiance, deadline);
+  }
   const auto shared = std::make_shared<const Image>(std::move(radiance));
   const auto baked = bake_environment(shared, key, pool, deadline);
   out.atlas = make_octahedral_atlas(*baked, pool);
-  out.summary.size = shared->extent;
-  out.summary.mean = baked->mean;
-  out.summary.peak = baked->peak;
-  out.summary.horizontal_illuminance_lux = horizontal_illuminance_lux(*baked);
-  out.summary.bake_ms = baked->bake_ms;
-  out.summary.suns = find_suns(*shared, deadline);
   out.sky = prepare_sky(*shared, key, pool);
+  summary.size = shared->extent;
+  summary.mean = baked->mean;
+  summary.peak = baked->peak;
+  summary.horizontal_illuminance_lux = horizontal_illuminance_lux(*baked);
+  summary.bake_ms = baked->bake_ms;
+  if (extracts_suns) {
+    for (const Sun& sun : summary.suns) {
+      for (std::size_t c = 0; c < 3; ++c) summary.mean[c] += sun.irradiance[c] / (4 * std::numbers::pi);
+      summary.peak = std::max(summary.peak, sun.peak);
+      summary.horizontal_illuminance_lux +=
+          luminance_rec709(sun.irradiance[0], sun.irradiance[1], sun.irradiance[2]) *
+          std::max(sun.direction[1], 0.0);
+    }
+  }
   return out;
 }
 

@@ -23,8 +23,9 @@ PreparedPixels prepare_texture(const Blob& encoded, ColorSpace color_space, cons
 // `radiance`: RGB kFloat32 equirect.
 PreparedSky prepare_sky(const Image& radiance, const ContentHash& key, WorkerPool& pool);
 
-// Bakes `radiance` (RGB kFloat32 equirect) and converts it to half floats with its own power-of-two scale.
-PreparedEnvironment prepare_environment(Image radiance, const ContentHash& key, WorkerPool& pool,
-                                        const Deadline& deadline);
+// Bakes `radiance` (RGB kFloat32 equirect), or what its suns leave, and converts it to half floats with its own power-of-two
+// scale.
+PreparedEnvironment prepare_environment(Image radiance, bool extracts_suns, const ContentHash& key,
+                                        WorkerPool& pool, const Deadline& deadline);
 
 }  // namespace furnace

@@ -17,6 +17,32 @@ ColorSpace slot_color_space(gpu::Slot slot) {
   return slot == gpu::kBaseColor || slot == gpu::kEmissive ? ColorSpace::kSrgb : ColorSpace::kNonColor;
 }
 
+glm::dvec3 vector_of(const std::array<double, 3>& v) {
+  return {v[0], v[1], v[2]};
+}
+
+glm::dmat3 turned_about_y(double angle_rad) {
+  return glm::dmat3(glm::rotate(glm::dmat4(1), angle_rad, glm::dvec3(0, 1, 0)));
+}
+
+// The environment's light and the lights', in world space: about `count` directions.
+std::vector<LightDirection> light_on_ground(const PreparedScene& scene, double rotation_rad, int count) {
+  const PreparedSky& sky = scene.environment->sky;
+  std::vector<LightDirection> sources = ground_light(sky.texels, count);
+  const glm::dmat3 world_from_environment = turned_about_y(rotation_rad);
+  for (LightDirection& source : sources) {
+    const glm::dvec3 turned = world_from_environment * vector_of(source.towards);
+    source.towards = {turned.x, turned.y, turned.z};
+    for (double& share : source.irradiance) share *= scene.environment_intensity / sky.scale;
+  }
+  std::vector<std::vector<LightDirection>> all = {std::move(sources)};
+  for (const DirectionalLight& light : scene.lights) {
+    const glm::dvec3 &d = light.towards, &e = light.irradiance;
+    all.push_back(ground_light({d.x, d.y, d.z}, {e.x, e.y, e.z}, light.angular_radius_rad, count));
+  }
+  return joined_by_light(std::move(all), count);
+}
+
 }  // namespace
 
 SceneStore::SceneStore(const RendererConfig& config, WorkerPool& pool, std::shared_ptr<ResidentKeys> resident)
@@ -108,14 +134,14 @@ void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, std::v
 
 EnvironmentAnswer SceneStore::environment_summary(const EnvironmentSpec& spec, const Deadline& deadline) {
   StageTimes times;
-  const auto found = environments_.baked(spec.map, deadline, times);
+  const auto found = environments_.baked(spec.map, spec.sun, deadline, times);
   return {found->environment.summary, times.bake_hit};
 }
 
 void SceneStore::prepare_environment(const RenderSpec& spec, const Deadline& deadline, StageTimes& times,
                                      Preparation& out) {
   const EnvironmentSpec& wanted = spec.environment;
-  const auto baked = environments_.baked(wanted.map, deadline, times);
+  const auto baked = environments_.baked(wanted.map, wanted.sun, deadline, times);
   out.notes.insert(out.notes.end(), baked->notes.begin(), baked->notes.end());
   const PreparedEnvironment& environment = baked->environment;
   PreparedScene& scene = out.scene;
@@ -131,10 +157,19 @@ void SceneStore::prepare_environment(const RenderSpec& spec, const Deadline& dea
     scene.environment_intensity *= *wanted.illuminance_lux / lux;
   }
 
+  if (environment.summary.suns_extracted) {
+    const glm::dmat3 world_from_environment = turned_about_y(wanted.rotation_rad);
+    for (const Sun& sun : environment.summary.suns) {
+      scene.lights.push_back({world_from_environment * vector_of(sun.direction),
+                              vector_of(sun.irradiance) * scene.environment_intensity,
+                              sun.angular_radius_rad});
+    }
+  }
   if (const auto* seen = std::get_if<EnvironmentBackground>(&wanted.background)) {
     scene.background_intensity = seen->intensity;
     if (!seen->map) scene.background_intensity *= scene.environment_intensity;
-    if (!seen->map && seen->blur_rad == 0) {
+    // What the suns left is for light only.
+    if (!seen->map && seen->blur_rad == 0 && !environment.summary.suns_extracted) {
       scene.background = std::shared_ptr<const PreparedSky>(baked, &environment.sky);
     } else {
       scene.background =
@@ -166,15 +201,8 @@ void SceneStore::prepare_ground(const RenderSpec& spec, Preparation& out) {
                                 .finish();
     ground.shadow_key = key;
     if (!resident_->contains(key)) {
-      auto light = ground_light(out.scene.environment->sky.texels, lights);
-      const glm::dmat3 world_from_environment(glm::rotate(glm::dmat4(1), rotation_rad, glm::dvec3(0, 1, 0)));
-      for (LightDirection& direction : light) {
-        const glm::dvec3 turned =
-            world_from_environment *
-            glm::dvec3(direction.towards[0], direction.towards[1], direction.towards[2]);
-        direction.towards = {turned.x, turned.y, turned.z};
-      }
-      ground.light = std::make_shared<const std::vector<LightDirection>>(std::move(light));
+      ground.light = std::make_shared<const std::vector<LightDirection>>(
+          light_on_ground(out.scene, rotation_rad, lights));
     }
   }
   out.scene.ground = std::move(ground);

@@ -230,7 +230,7 @@ TEST_F(BakeStoreTest, ForeignFilesAreSetAside) {
   const auto attribute = [](std::string_view name, std::string_view text) {
     return fmt::format("{0}{3}string{3}{1}{3}{3}{3}{2}", name, char(text.size()), text, '\0');
   };
-  const std::string version = std::to_string(kBakeVersion);
+  const std::string version = std::to_string(kBakeVersion), layout = std::to_string(kBakeFileLayout);
   const Image sky = random_halves({4, 2}, 1);
   const Image plain = make_image({4, 2}, 4, SampleType::kFloat16, ColorSpace::kLinear);
   const std::vector<std::pair<std::string, std::string>> cases = {
@@ -240,7 +240,7 @@ TEST_F(BakeStoreTest, ForeignFilesAreSetAside) {
       {"an EXR of one part", encode_exr(plain, {})},
       {"no texts", encode_exr_parts(std::vector<NamedImage>{{"sky", &sky}, {"atlas", &plain}}, {})},
       {"other parts", encode_exr_parts(std::vector<NamedImage>{{"sky", &sky}, {"moon", &plain}}, {})},
-      {"another layout", replaced(attribute("furnace.layout", "1"), attribute("furnace.layout", "2"))},
+      {"another layout", replaced(attribute("furnace.layout", layout), attribute("furnace.layout", "9"))},
       {"another bake's version",
        replaced(attribute("furnace.bakeVersion", version),
                 attribute("furnace.bakeVersion", std::string(version.size(), '0')))},

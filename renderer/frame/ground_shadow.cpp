@@ -34,6 +34,15 @@ double radical_inverse(std::uint32_t bits) {
   return result;
 }
 
+// 1 over all the light, of each colour that there is.
+glm::dvec3 per_light(const std::vector<LightDirection>& lights) {
+  glm::dvec3 total(0);
+  for (const LightDirection& light : lights)
+    total += glm::dvec3(light.irradiance[0], light.irradiance[1], light.irradiance[2]);
+  for (int c = 0; c < 3; ++c) total[c] = total[c] > 0 ? 1 / total[c] : 0;
+  return total;
+}
+
 gpu::GroundBlock pack_ground(const PreparedGround& ground, const GroundRectangle& rectangle,
                              std::size_t first) {
   gpu::GroundBlock block{};
@@ -44,12 +53,14 @@ gpu::GroundBlock pack_ground(const PreparedGround& ground, const GroundRectangle
   block.level = float(ground.level_m);
   const std::size_t count = std::min<std::size_t>(ground.light->size() - first, gpu::GROUND_LIGHTS);
   block.light_count = gpu::uint(count);
+  const glm::dvec3 share = per_light(*ground.light);
   for (std::size_t i = 0; i < count; ++i) {
     const LightDirection& light = (*ground.light)[first + i];
     const double least_opacity =
         radical_inverse(std::uint32_t(first + i)) + 0.5 / double(ground.light->size());
     block.light[i] = glm::vec4(slope_of(light), least_opacity, 0);
-    block.weight[i] = glm::vec4(light.weight[0], light.weight[1], light.weight[2], 0);
+    const glm::dvec3 irradiance(light.irradiance[0], light.irradiance[1], light.irradiance[2]);
+    block.weight[i] = glm::vec4(irradiance * share, 0);
   }
   return block;
 }

@@ -18,11 +18,12 @@ enum Feature : FeatureSet {
   kFeatureAlignedMaps = 1u << 7,
   kFeatureVertexColor = 1u << 8,
   kFeatureSharpReflection = 1u << 9,
-  kFeatureVeil = 1u << 10,
-  kFeatureSky = 1u << 11,
-  kFeatureMagnified = 1u << 12,
-  kFeatureGroundProjection = 1u << 13,
-  kFeatureGroundShadow = 1u << 14,
+  kFeatureLights = 1u << 10,
+  kFeatureVeil = 1u << 11,
+  kFeatureSky = 1u << 12,
+  kFeatureMagnified = 1u << 13,
+  kFeatureGroundProjection = 1u << 14,
+  kFeatureGroundShadow = 1u << 15,
 };
 
 }  // namespace furnace::gl

@@ -1,4 +1,4 @@
-// An environment's light on a horizontal plane, as a number of directions that stand for all of it.
+// Light on a horizontal plane, as a number of directions that stand for all of it.
 #pragma once
 
 #include <array>
@@ -10,14 +10,22 @@ namespace furnace {
 
 // Threads: a value.
 struct LightDirection {
-  std::array<double, 3> towards{};  // unit, y > 0, in the frame of the environment
-  std::array<double, 3> weight{};   // RGB: its share of the irradiance
+  std::array<double, 3> towards{};     // unit, y > 0
+  std::array<double, 3> irradiance{};  // RGB, of the plane
 };
 
-// `count` directions above the horizon, as dense as their light on the plane; in each colour that shines at all the weights
-// add up to 1. The same input gives the same directions; a longer list refines a shorter one. `equirect`: RGBA kFloat16
-// (baked_environment.hpp), in any unit. Empty for a map without light above the horizon.
-// Threads: any.
+// `count` directions above the horizon, as dense as their light on the plane; their irradiances add up to the map's. The same
+// input gives the same directions; a longer list refines a shorter one. `equirect`: RGBA kFloat16 (baked_environment.hpp); the
+// directions are in its frame, the irradiances in its unit. Empty for a map without light above the horizon. Threads: any.
 std::vector<LightDirection> ground_light(const Image& equirect, int count);
+
+// The same of an even disc far away: `irradiance` is that of a plane facing `towards`. Empty below the horizon.
+std::vector<LightDirection> ground_light(const std::array<double, 3>& towards,
+                                         const std::array<double, 3>& irradiance, double angular_radius_rad,
+                                         int count);
+
+// About `count` directions of several sources of `count` each: of each source so many as it has of the light, its irradiance
+// kept.
+std::vector<LightDirection> joined_by_light(std::vector<std::vector<LightDirection>> sources, int count);
 
 }  // namespace furnace

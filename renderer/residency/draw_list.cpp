@@ -123,8 +123,10 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
     // glTF 2.0, 3.7.2.1: points and lines without normals are not lit.
     if (mesh.mesh->normals.empty()) draw.features |= gl::kFeatureUnlit;
     if (mesh.mesh->tangents.empty()) draw.features &= ~gl::FeatureSet(gl::kFeatureNormalMap);
+    if (!scene.lights.empty()) draw.features |= gl::kFeatureLights;
     if (draw.features & gl::kFeatureUnlit) {
-      draw.features &= ~gl::FeatureSet(gl::kFeatureSharpReflection | gl::kFeatureNormalMap);
+      draw.features &=
+          ~gl::FeatureSet(gl::kFeatureSharpReflection | gl::kFeatureNormalMap | gl::kFeatureLights);
     }
     if (!mesh.mesh->colors.empty()) draw.features |= gl::kFeatureVertexColor;
     draw.key = std::uint32_t(draw_blocks.size() + 1);

@@ -40,7 +40,8 @@ struct EnvironmentSummary {
   double peak = 0;
   double horizontal_illuminance_lux = 0;  // if the map's values are luminances in cd/m2
   double bake_ms = 0;                     // wall time of the bake; never in a picture
-  std::vector<Sun> suns;                  // found in the map; they are still in it
+  std::vector<Sun> suns;                  // found in the map
+  bool suns_extracted = false;  // what was baked is the map without them; the numbers above are with them
 };
 
 // An equirect map to be looked at. Values are radiance * scale, the scale a power of two.
@@ -62,6 +63,13 @@ struct PreparedEnvironment {
   std::size_t byte_size() const { return sky.byte_size() + atlas.texels.byte_size(); }
 };
 
+// Light from far away. Threads: a value.
+struct DirectionalLight {
+  glm::dvec3 towards{0, 1, 0};  // unit, world, to the light
+  glm::dvec3 irradiance{0};     // on a plane that faces it
+  double angular_radius_rad = 0;
+};
+
 struct PreparedGround {
   double level_m = 0;  // world y
   Bounds bounds;       // of the scene, world
@@ -77,7 +85,9 @@ struct PreparedScene {
   std::vector<PreparedTexture> textures;
   std::vector<Instance> instances;
   std::shared_ptr<const PreparedEnvironment> environment;
-  std::shared_ptr<const PreparedSky> background;               // null where no environment is seen
+  std::shared_ptr<const PreparedSky> background;  // null where no environment is seen
+  std::vector<DirectionalLight>
+      lights;  // at most those of FrameBlock; the environment's intensity is in them
   double environment_intensity = 1, background_intensity = 1;  // multipliers of the maps' radiance
   std::optional<PreparedGround> ground;
 };

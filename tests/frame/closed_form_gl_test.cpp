@@ -1,53 +1,14 @@
 // Frames whose radiance is known in closed form.
-#include <gtest/gtest.h>
-
 #include <cmath>
 
 #include <glm/gtc/quaternion.hpp>
 
 #include "renderer/base/error.hpp"
-#include "renderer/base/worker_pool.hpp"
-#include "renderer/renderer.hpp"
 #include "renderer/scene/transform.hpp"
+#include "tests/frame/closed_form.hpp"
 
 namespace furnace {
 namespace {
-
-class ClosedFormGlTest : public testing::Test {
- protected:
-  static Renderer& renderer() {
-    static WorkerPool pool(2);
-    static Renderer instance = [] {
-      gl::apply_determinism(gl::Determinism::kExact);
-      RendererConfig config;
-      config.gl = {"software", gl::Determinism::kExact};
-      return Renderer(config, pool);
-    }();
-    return instance;
-  }
-  static Film render(const RenderSpec& spec) { return renderer().render(spec, Deadline()); }
-
-  // A scene-linear float film of one built-in mesh in an environment of radiance `radiance`.
-  static RenderSpec spec_of(const char* mesh, const MaterialOverride& material, glm::vec3 radiance) {
-    RenderSpec spec;
-    NodeSpec node;
-    node.mesh = mesh;
-    node.material = "m";
-    spec.scene.nodes = {node};
-    spec.scene.materials["m"] = material;
-    spec.environment.map = EnvironmentColor{radiance};
-    spec.output.width = spec.output.height = 64;
-    spec.output.format = OutputFormat::kExr;
-    spec.output.exr_type = SampleType::kFloat32;
-    return spec;
-  }
-  static glm::vec3 pixel(const Film& film, int x, int y) {
-    const auto samples = film.image.samples<float>();
-    const std::size_t at = (std::size_t(y) * std::size_t(film.image.extent.width) + std::size_t(x)) *
-                           std::size_t(film.image.channels);
-    return {samples[at], samples[at + 1], samples[at + 2]};
-  }
-};
 
 struct FurnaceCase {
   float metallic, roughness;
@@ -158,123 +119,6 @@ TEST_F(ClosedFormGlTest, HalfFilmOfASunIsFinite) {
   for (const std::uint16_t bits : film.image.samples<std::uint16_t>()) {
     ASSERT_TRUE(std::isfinite(float_from_half(bits)));
   }
-}
-
-TEST_F(ClosedFormGlTest, IlluminanceCalibratesTheEnvironment) {
-  MaterialOverride material;
-  material.base_color = glm::vec4(1);
-  material.metallic = 1.f;
-  RenderSpec spec = spec_of("sphere", material, glm::vec3(0.25f));
-  spec.environment.illuminance_lux = 1000;  // of a constant sky: pi times its luminance
-  EXPECT_NEAR(pixel(render(spec), 0, 0).g, 1000 / kPi, 1e-3 * 1000 / kPi);
-  spec.environment.intensity = 2;
-  EXPECT_NEAR(pixel(render(spec), 32, 32).g, 2000 / kPi, 5e-3 * 2000 / kPi);
-  spec.environment.map = EnvironmentColor{glm::vec3(0)};
-  EXPECT_THROW(render(spec), Error);
-}
-
-TEST_F(ClosedFormGlTest, AGradientRunsFromTopToBottomWhateverTheExposureAndTiles) {
-  RenderSpec spec = spec_of("sphere", {}, glm::vec3(1));
-  spec.environment.background = GradientBackground{{1, 0.5f, 0}, {0, 0.25f, 1}};
-  spec.camera.exposure_ev = 2;
-  spec.output.samples = 2;
-  const Film film = render(spec);
-  for (int y = 0; y < 64; ++y) {
-    const float t = (float(y) + 0.5f) / 64;
-    EXPECT_NEAR(pixel(film, 0, y).r, 1 - t, 1e-5);
-    EXPECT_NEAR(pixel(film, 0, y).g, 0.5f - 0.25f * t, 1e-5);
-  }
-}
-
-// A square plate over the ground under a constant sky takes the configuration factor of the plate, seen from the ground, off
-// its light: Howell, "A Catalog of Radiation Heat Transfer Configuration Factors", B-4, four times its quarter.
-double plate_factor(double half_side, double height) {
-  const double a = half_side / height, root = std::sqrt(1 + a * a);
-  return 4 / kPi * a / root * std::atan(a / root);
-}
-
-class GroundGlTest : public ClosedFormGlTest {
- protected:
-  static constexpr float kHeight = 0.5f, kLevel = -0.5f;
-
-  static RenderSpec plate_over_ground() {
-    RenderSpec spec = spec_of("plane", {}, glm::vec3(1));  // 1 m x 1 m at y = 0
-    spec.environment.background = TransparentBackground{};
-    spec.environment.ground = GroundSpec{};
-    spec.environment.ground->level_m = kLevel;
-    spec.camera.view = LookAtCamera{{3, -0.1f, 0}, {0, kLevel, 0}, {0, 1, 0}, 0.2};
-    return spec;
-  }
-  static double alpha_in_the_middle(const Film& film) {
-    EXPECT_EQ(film.image.channels, 4);
-    const auto samples = film.image.samples<float>();
-    double sum = 0;
-    for (const int at : {31 * 64 + 31, 31 * 64 + 32, 32 * 64 + 31, 32 * 64 + 32})
-      sum += samples[std::size_t(at) * 4 + 3];
-    return sum / 4;
-  }
-};
-
-TEST_F(GroundGlTest, APlateTakesItsConfigurationFactor) {
-  RenderSpec spec = plate_over_ground();
-  const double expected = plate_factor(0.5, kHeight);
-  // 128 directions, then 1024: each is a hard shadow, so the error is about that of a quasi-random sum.
-  EXPECT_NEAR(alpha_in_the_middle(render(spec)), expected, 2e-2);
-  spec.output.samples = 32;
-  EXPECT_NEAR(alpha_in_the_middle(render(spec)), expected, 5e-3);
-  spec.output.samples = 1;
-  spec.environment.ground->shadow_strength = 0.5;
-  EXPECT_NEAR(alpha_in_the_middle(render(spec)), 0.5 * expected, 1e-2);
-  spec.environment.ground->shadow = false;
-  EXPECT_EQ(alpha_in_the_middle(render(spec)), 0);
-}
-
-TEST_F(GroundGlTest, ParallelRaysSeeTheSamePlace) {
-  RenderSpec spec = plate_over_ground();
-  OrbitCamera orbit;
-  orbit.azimuth_rad = 1.2;
-  orbit.elevation_rad = 0.35;
-  orbit.fit = 2;
-  spec.camera.view = orbit;
-  const Film perspective = render(spec);
-  orbit.fov_y_rad = 0.01;  // from far away
-  spec.camera.view = orbit;
-  const Film far = render(spec);
-  orbit.orthographic = true;
-  spec.camera.view = orbit;
-  const Film parallel = render(spec);
-  double difference = 0, shadow = 0;
-  for (std::size_t i = 3; i < std::size_t(64 * 64 * 4); i += 4) {
-    difference += std::abs(double(parallel.image.samples<float>()[i]) - far.image.samples<float>()[i]);
-    shadow += double(far.image.samples<float>()[i]);
-  }
-  EXPECT_GT(shadow, 100);
-  EXPECT_LT(difference / shadow, 0.02);
-}
-
-TEST_F(GroundGlTest, HalfTransparentSurfacesCastHalf) {
-  RenderSpec spec = plate_over_ground();
-  spec.scene.materials["m"].base_color = glm::vec4(1, 1, 1, 0.5f);
-  spec.scene.materials["m"].alpha_mode = AlphaMode::kBlend;
-  spec.output.samples = 32;
-  EXPECT_NEAR(alpha_in_the_middle(render(spec)), 0.5 * plate_factor(0.5, kHeight), 1e-2);
-}
-
-TEST_F(GroundGlTest, IsNotSeenFromBelow) {
-  RenderSpec spec = plate_over_ground();
-  spec.camera.view = LookAtCamera{{3, -1, 0}, {0, kLevel, 0}, {0, 1, 0}, 0.1};
-  EXPECT_EQ(alpha_in_the_middle(render(spec)), 0);
-}
-
-// The shadow multiplies what is behind it, and leaves the rest alone.
-TEST_F(GroundGlTest, DarkensTheBackground) {
-  RenderSpec spec = plate_over_ground();
-  spec.environment.background = ColorBackground{glm::vec3(0.5f)};
-  const Film film = render(spec);
-  EXPECT_NEAR(pixel(film, 32, 32).r, 0.5 * (1 - plate_factor(0.5, kHeight)), 1e-2);
-  spec.environment.background = EnvironmentBackground{};
-  spec.environment.ground->projection = GroundProjection{};
-  EXPECT_NEAR(pixel(render(spec), 32, 32).r, 1 - plate_factor(0.5, kHeight), 2e-2);
 }
 
 TEST_F(ClosedFormGlTest, TransparentBackgroundIsEmptyAndTheObjectOpaque) {

@@ -228,7 +228,12 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
                  FURNACE_MEMBER(FrameBlock, background_gain),
                  FURNACE_MEMBER(FrameBlock, shadow_strength),
                  FURNACE_MEMBER(FrameBlock, dome_radius),
-                 FURNACE_MEMBER(FrameBlock, dome_height)},
+                 FURNACE_MEMBER(FrameBlock, dome_height),
+                 FURNACE_MEMBER(FrameBlock, lights),
+                 FURNACE_MEMBER(FrameBlock, light_count),
+                 FURNACE_MEMBER(FrameBlock, pad_0),
+                 FURNACE_MEMBER(FrameBlock, pad_1),
+                 FURNACE_MEMBER(FrameBlock, pad_2)},
                 sizeof(FrameBlock));
 }
 

@@ -76,9 +76,12 @@ TEST(ShaderLibrary, FeatureBitsAreTheListOfTheInterface) {
       {kFeatureAlignedMaps, "FEATURE_ALIGNED_MAPS"},
       {kFeatureVertexColor, "FEATURE_VERTEX_COLOR"},
       {kFeatureSharpReflection, "FEATURE_SHARP_REFLECTION"},
+      {kFeatureLights, "FEATURE_LIGHTS"},
       {kFeatureVeil, "FEATURE_VEIL"},
       {kFeatureSky, "FEATURE_SKY"},
-      {kFeatureMagnified, "FEATURE_MAGNIFIED"}};
+      {kFeatureMagnified, "FEATURE_MAGNIFIED"},
+      {kFeatureGroundProjection, "FEATURE_GROUND_PROJECTION"},
+      {kFeatureGroundShadow, "FEATURE_GROUND_SHADOW"}};
   ASSERT_EQ(names.size(), std::size(expected));
   for (std::size_t bit = 0; bit < names.size(); ++bit) {
     EXPECT_EQ(expected[bit].first, FeatureSet(1) << bit);

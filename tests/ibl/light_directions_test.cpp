@@ -26,7 +26,7 @@ void paint(Image& map, int i, int j, float r, float g, float b) {
 template <class F>
 double sum(const std::vector<LightDirection>& lights, const F& f) {
   double result = 0;
-  for (const LightDirection& light : lights) result += light.weight[1] * f(light.towards);
+  for (const LightDirection& light : lights) result += light.irradiance[1] * f(light.towards);
   return result;
 }
 
@@ -42,11 +42,11 @@ TEST(GroundLight, OfAConstantSkyIsAsDenseAsItsCosine) {
     EXPECT_NEAR(d[0] * d[0] + d[1] * d[1] + d[2] * d[2], 1, 1e-12);
     EXPECT_GT(d[1], 0);
   }
-  // Means over the cosine-weighted hemisphere.
-  EXPECT_NEAR(sum(lights, [](const auto&) { return 1.0; }), 1, 1e-12);
-  EXPECT_NEAR(sum(lights, [](const auto& d) { return d[1]; }), 2.0 / 3, 3e-3);
-  EXPECT_NEAR(sum(lights, [](const auto& d) { return d[0]; }), 0, 3e-3);
-  EXPECT_NEAR(sum(lights, [](const auto& d) { return d[2] * d[2]; }), 0.25, 3e-3);
+  // Over the cosine-weighted hemisphere.
+  EXPECT_NEAR(sum(lights, [](const auto&) { return 1.0; }), pi, 1e-9);
+  EXPECT_NEAR(sum(lights, [](const auto& d) { return d[1]; }), pi * 2 / 3, 1e-2);
+  EXPECT_NEAR(sum(lights, [](const auto& d) { return d[0]; }), 0, 1e-2);
+  EXPECT_NEAR(sum(lights, [](const auto& d) { return d[2] * d[2]; }), pi / 4, 1e-2);
 }
 
 TEST(GroundLight, ColoursKeepTheirOwnShares) {
@@ -60,11 +60,14 @@ TEST(GroundLight, ColoursKeepTheirOwnShares) {
   std::array<double, 3> high{}, low{};
   for (const LightDirection& light : lights) {
     auto& of = light.towards[1] > 0.7 ? high : low;
-    for (std::size_t c = 0; c < 3; ++c) of[c] += light.weight[c];
+    for (std::size_t c = 0; c < 3; ++c) of[c] += light.irradiance[c];
   }
-  EXPECT_NEAR(high[0], 1, 1e-12);
-  EXPECT_NEAR(low[2], 1, 1e-12);
-  EXPECT_NEAR(high[1], weight(4) / (weight(4) + weight(12)), 1e-2);
+  const double texel = pi / 64;  // its irradiance for a radiance of 1 is this times weight(j)
+  EXPECT_EQ(high[2], 0);
+  EXPECT_EQ(low[0], 0);
+  EXPECT_NEAR(high[0] / (4 * texel * weight(4)), 1, 2e-2);
+  EXPECT_NEAR(high[1] / (texel * weight(4)), 1, 2e-2);
+  EXPECT_NEAR(low[2] / (2 * texel * weight(12)), 1, 2e-2);
 }
 
 TEST(GroundLight, ALongerListRefinesAShorterOne) {
@@ -73,6 +76,34 @@ TEST(GroundLight, ALongerListRefinesAShorterOne) {
   paint(map, 50, 9, 2, 2, 2);
   const auto few = ground_light(map, 20), many = ground_light(map, 200);
   for (std::size_t i = 0; i < few.size(); ++i) EXPECT_EQ(few[i].towards, many[i].towards);
+}
+
+TEST(GroundLight, OfADiscLiesInIt) {
+  const std::array<double, 3> towards{0.6, 0.64, -0.48};
+  const auto lights = ground_light(towards, {3, 2, 1}, 0.02, 64);
+  ASSERT_EQ(lights.size(), 64u);
+  std::array<double, 3> mean{};
+  for (const LightDirection& light : lights) {
+    double cosine = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      cosine += light.towards[i] * towards[i];
+      mean[i] += light.towards[i] / 64;
+    }
+    EXPECT_LE(std::acos(cosine), 0.02 + 1e-9);
+  }
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(mean[i], towards[i], 1e-3);
+  EXPECT_NEAR(sum(lights, [](const auto&) { return 1.0; }), 2 * 0.64, 1e-9);
+  EXPECT_TRUE(ground_light({0, -1, 0}, {1, 1, 1}, 0.01, 8).empty());
+}
+
+TEST(GroundLight, JoinedSourcesKeepTheirLight) {
+  const auto one = ground_light({0, 1, 0}, {9, 9, 9}, 0.01, 100);
+  const auto other = ground_light({0.6, 0.8, 0}, {1 / 0.8, 1 / 0.8, 1 / 0.8}, 0.01, 100);
+  const auto joined = joined_by_light({one, other}, 100);
+  EXPECT_EQ(joined.size(), 100u);
+  const auto is_first = [](const auto& d) { return d[1] > 0.9 ? 1.0 : 0.0; };
+  EXPECT_NEAR(sum(joined, is_first), 9, 1e-9);
+  EXPECT_NEAR(sum(joined, [](const auto&) { return 1.0; }), 10, 1e-9);
 }
 
 TEST(GroundLight, NoneFromBelowOrFromTheDark) {
