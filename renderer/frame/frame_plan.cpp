@@ -16,6 +16,8 @@ std::vector<Tile> cut_tiles(Extent picture, int side) {
   return tiles;
 }
 
+}  // namespace
+
 // Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences": the R2 sequence, shifted so that sample 0 is the
 // pixel's centre; any prefix is well spread, so more sub-frames only refine.
 glm::vec2 r2_offset(int i) {
@@ -24,8 +26,6 @@ glm::vec2 r2_offset(int i) {
   const double y = 0.5 + i / (kPlastic * kPlastic);
   return {float(x - std::floor(x) - 0.5), float(y - std::floor(y) - 0.5)};
 }
-
-}  // namespace
 
 FramePlan plan_frame(const RenderSpec& spec, int max_tile_px) {
   FramePlan plan;

@@ -35,6 +35,9 @@ struct FramePlan {
   bool opaque = true;                         // no transparent pixel can come out
 };
 
+// Place i of a fixed sequence that fills [-0.5, 0.5)^2 evenly however far it goes; place 0 is the middle.
+glm::vec2 r2_offset(int i);
+
 // Pixels are drawn in tiles of at most `max_tile_px` a side, so that memory does not grow with the picture.
 FramePlan plan_frame(const RenderSpec& spec, int max_tile_px);
 

@@ -43,7 +43,7 @@ glm::dvec3 per_light(const std::vector<LightDirection>& lights) {
   return total;
 }
 
-gpu::GroundBlock pack_ground(const PreparedGround& ground, const GroundRectangle& rectangle,
+gpu::GroundBlock pack_ground(const PreparedGround& ground, const GroundRectangle& rectangle, Extent map,
                              std::size_t first) {
   gpu::GroundBlock block{};
   const glm::dvec2 size = rectangle.high - rectangle.low, centre = (rectangle.low + rectangle.high) * 0.5;
@@ -58,9 +58,10 @@ gpu::GroundBlock pack_ground(const PreparedGround& ground, const GroundRectangle
     const LightDirection& light = (*ground.light)[first + i];
     const double least_opacity =
         radical_inverse(std::uint32_t(first + i)) + 0.5 / double(ground.light->size());
-    block.light[i] = glm::vec4(slope_of(light), least_opacity, 0);
+    const glm::vec2 shift = 2.f * r2_offset(int(first + i)) / glm::vec2(map.width, map.height);
+    block.light[i] = glm::vec4(slope_of(light), least_opacity, shift.x);
     const glm::dvec3 irradiance(light.irradiance[0], light.irradiance[1], light.irradiance[2]);
-    block.weight[i] = glm::vec4(irradiance * share, 0);
+    block.weight[i] = glm::vec4(irradiance * share, shift.y);
   }
   return block;
 }
@@ -148,7 +149,7 @@ GpuGroundShadow draw_ground_shadow(gl::Context& context, gl::ProgramCache& progr
   cast_state.viewport = extent;
   cast_state.blend = gl::Blend::kOr;
   for (std::size_t first = 0; first < ground.light->size(); first += gpu::GROUND_LIGHTS) {
-    const gpu::GroundBlock block = pack_ground(ground, shadow.rectangle, first);
+    const gpu::GroundBlock block = pack_ground(ground, shadow.rectangle, extent, first);
     const gl::Buffer uniform = gl::create_buffer(context, &block, sizeof block);
     glBindBufferBase(GL_UNIFORM_BUFFER, kGroundBinding, uniform.id());
     gl::begin_pass(context, cast_state);

@@ -27,5 +27,7 @@ void main() {
   uv01 = uv01_model;
   vertex_alpha = color.a;
 #endif
-  gl_Position = vec4(at * ground.clip_from_ground.xy + ground.clip_from_ground.zw, 0.5, 1.0);
+  // Within a texel, each light its own way: hard shadows of a sun have smooth edges.
+  vec2 shift = vec2(towards.w, ground.weight[gl_InstanceID].w);
+  gl_Position = vec4(at * ground.clip_from_ground.xy + ground.clip_from_ground.zw + shift, 0.5, 1.0);
 }

@@ -8,6 +8,6 @@ struct GroundBlock {
   uint light_count;        // at most GROUND_LIGHTS
   uint pad_0;
   uint pad_1;
-  vec4 light[128];         // xy: metres that a shadow moves in x and z for each metre of height; z: opacity above which it is cast
-  vec4 weight[128];        // xyz: share of all the light that falls on the ground, by colour
+  vec4 light[128];         // xy: metres that a shadow moves in x and z for each metre of height; z: opacity above which it is cast; w: shift in clip space, x
+  vec4 weight[128];        // xyz: share of all the light that falls on the ground, by colour; w: shift in clip space, y
 };
