@@ -49,8 +49,8 @@ std::shared_ptr<const Image> working_map(std::shared_ptr<const Image> map) {
 
 // Rows of a grid that bicubic reading follows: so many to a kernel's width, and enough for its kink at the horizon.
 int level_rows(double alpha, int map_rows) {
-  const double wanted = std::max(12 / alpha, 128.0);
-  for (int rows : {128, 144, 192, 256, 288, 384, 512})
+  const double wanted = std::max(12 / alpha, 192.0);
+  for (int rows : {192, 256, 288, 384, 512})
     if (rows >= wanted) return std::min(rows, map_rows);
   return std::min(map_rows, kMostRows);
 }

@@ -134,7 +134,9 @@ TEST(Bake, CharlieLevelsAgreeWithDoubleSums) {
       computed.push_back(reference::texel_value(level.equirect, i, j));
       expected.push_back(judge(reference::texel_direction(level.equirect.extent, i, j))[0]);
     }
-    // 512 degrees do not hold the kink of the narrow kernels at the horizon: below 0.2 the bar is that of sharp levels.
+    // The kernel's kink at the horizon lets k_l fall like l^-5/2 only. For a light in one direction 512 degrees leave 10, 2.2
+    // and 0.8 % of the mean at roughness 0.1, 0.15 and 0.2, twice as many a third of that for four times the work: below 0.2
+    // the bar is that of sharp levels.
     EXPECT_LE(reference::relative_rmse(computed, expected), level.perceptual_roughness >= 0.2 ? 1e-3 : 1e-2);
     for (const float sample : level.equirect.samples<float>()) ASSERT_GT(sample, 0);
   }
@@ -184,8 +186,7 @@ TEST(Bake, AnyRoughnessThroughTheShadersLookup) {
     }
   }
   for (std::size_t k = 0; k < alphas.size(); ++k) {
-    // The bar for HDRIs is 1e-2 from roughness 0.15; a lone texel of 1e5 on a small dark map costs up to 1.5e-2 there.
-    EXPECT_LE(reference::relative_rmse(computed[k], expected[k]), roughness[k] < 0.15 ? 3e-2 : 1.6e-2)
+    EXPECT_LE(reference::relative_rmse(computed[k], expected[k]), roughness[k] < 0.15 ? 3e-2 : 1e-2)
         << "roughness " << roughness[k];
   }
 }
