@@ -118,7 +118,7 @@ std::shared_ptr<const BakedEnvironment> bake_environment(std::shared_ptr<const I
 
   work.begin("environment: analysis", costs.share(costs.analysis));
   const LegendreTable table(kBands);
-  const HarmonicCoefficients coefficients = analyse(spectrum, table, work);
+  HarmonicCoefficients coefficients = analyse(spectrum, table, work);
   baked->mean = mean_radiance(coefficients);
 
   std::vector<GgxKernel> sharp_kernels;
@@ -149,6 +149,7 @@ std::shared_ptr<const BakedEnvironment> bake_environment(std::shared_ptr<const I
     }
   }
 
+  coefficients.values = {};
   work.begin("environment: sharp levels", costs.share(costs.sharp));
   std::vector<Image> sharp = convolve_sharp(spectrum, sharp_kernels, smooth, work);
   for (std::size_t i = 0; i < sharp.size(); ++i) baked->levels[i].equirect = std::move(sharp[i]);
