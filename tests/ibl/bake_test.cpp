@@ -115,6 +115,40 @@ TEST(Bake, AgreesWithDoubleSumsUnderASunInTheZenith) {
   expect_levels_within_bars(baked_zenith(), 12);
 }
 
+// A map with more rows than its levels, which are made of fewer.
+TEST(Bake, LargeMapsKeepTheBars) {
+  const auto baked = bake(sunny_map({4096, 2048}, 700));
+  const Direction sun = reference::texel_direction({4096, 2048}, 4096 / 3, 700);
+  const auto compare = [&](std::size_t first, std::size_t last, const std::vector<Direction>& directions) {
+    std::vector<double> alphas;
+    for (std::size_t l = first; l < last; ++l)
+      alphas.push_back(std::pow(baked->levels[l].perceptual_roughness, 2));
+    const reference::Prefilter judge(*baked->radiance, alphas);
+    const Extent size = baked->levels[first].equirect.extent;
+    std::vector<std::vector<Rgb>> computed(alphas.size()), expected(alphas.size());
+    for (const Direction& d : directions) {
+      const int i = static_cast<int>((d.phi / (2 * std::numbers::pi) + 0.5) * size.width);
+      const int j = static_cast<int>(d.theta / std::numbers::pi * size.height);
+      const std::vector<Rgb> sums = judge(reference::texel_direction(size, i, j));
+      for (std::size_t l = first; l < last; ++l) {
+        ASSERT_EQ(baked->levels[l].equirect.extent, size);
+        computed[l - first].push_back(reference::texel_value(baked->levels[l].equirect, i, j));
+        expected[l - first].push_back(sums[l - first]);
+      }
+    }
+    for (std::size_t l = first; l < last; ++l) {
+      const double roughness = baked->levels[l].perceptual_roughness;
+      EXPECT_LE(reference::relative_rmse(computed[l - first], expected[l - first]),
+                roughness < 0.125 ? 1e-2 : 1e-3)
+          << "roughness " << roughness;
+    }
+  };
+  std::vector<Direction> directions = {{0.001, 1}, {0.8, -2}, {2.5, 0.3}};
+  for (double away : {0.0, 0.004, 0.02, 0.1}) directions.push_back({sun.theta + away, sun.phi + 0.7 * away});
+  compare(0, 5, directions);
+  compare(baked->levels.size() - 2, baked->levels.size(), {directions[1], directions[5]});
+}
+
 // Sheen levels, by the same judge.
 TEST(Bake, CharlieLevelsAgreeWithDoubleSums) {
   WorkerPool pool(2);
