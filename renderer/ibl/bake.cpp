@@ -49,8 +49,8 @@ std::shared_ptr<const Image> working_map(std::shared_ptr<const Image> map) {
 
 // Rows of a grid that bicubic reading follows: so many to a kernel's width, and enough for its kink at the horizon.
 int level_rows(double alpha, int map_rows) {
-  const double wanted = std::max(12 / alpha, 128.0);
-  for (int rows : {128, 144, 192, 256, 288, 384, 512})
+  const double wanted = std::max(12 / alpha, 192.0);
+  for (int rows : {192, 256, 288, 384, 512})
     if (rows >= wanted) return std::min(rows, map_rows);
   return std::min(map_rows, kMostRows);
 }
@@ -118,7 +118,7 @@ std::shared_ptr<const BakedEnvironment> bake_environment(std::shared_ptr<const I
 
   work.begin("environment: analysis", costs.share(costs.analysis));
   const LegendreTable table(kBands);
-  const HarmonicCoefficients coefficients = analyse(spectrum, table, work);
+  HarmonicCoefficients coefficients = analyse(spectrum, table, work);
   baked->mean = mean_radiance(coefficients);
 
   std::vector<GgxKernel> sharp_kernels;
@@ -149,6 +149,7 @@ std::shared_ptr<const BakedEnvironment> bake_environment(std::shared_ptr<const I
     }
   }
 
+  coefficients.values = {};
   work.begin("environment: sharp levels", costs.share(costs.sharp));
   std::vector<Image> sharp = convolve_sharp(spectrum, sharp_kernels, smooth, work);
   for (std::size_t i = 0; i < sharp.size(); ++i) baked->levels[i].equirect = std::move(sharp[i]);

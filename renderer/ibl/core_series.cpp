@@ -1,5 +1,6 @@
 #include "renderer/ibl/core_series.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace furnace {
@@ -37,8 +38,8 @@ constexpr Lanes kCount = {{0, 1, 2, 3, 4, 5, 6, 7}};
 
 }  // namespace
 
-double CoreSeries::reach() const {
-  return kLogNegligible / -std::log(q);
+double CoreSeries::reach(double log_above) const {
+  return std::max(0.0, kLogNegligible - log_above) / -std::log(q);
 }
 
 RowDistance::RowDistance(double theta, double source_theta)

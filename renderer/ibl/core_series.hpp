@@ -25,7 +25,8 @@ struct CoreSeries {
   double constant = 0;
   double slope = 0;
 
-  double reach() const;  // orders after which q^m is negligible
+  // Orders after which q^m is negligible, beside a series that is e^above of this one.
+  double reach(double log_above) const;
 };
 
 struct RowDistance {

@@ -125,8 +125,12 @@ void CoreSum::set_smooth_part(int row, int level, int begin, int end, Lanes* out
 }
 
 int CoreSum::used_orders(double theta, double source) const {
-  const double reach = core_series(kernels_.front().beta(), RowDistance(theta, source), 1).reach();
-  return static_cast<int>(std::min<double>(map_.orders(), reach + 1));
+  const double beta = kernels_.front().beta();
+  const RowDistance rows(theta, source);
+  // The series begins with about (t + beta)^(-3/2): what is negligible beside that of theta's own row is so here.
+  const double reach = core_series(beta, rows, 1).reach(1.5 * std::log1p(rows.minus / beta));
+  // Whole blocks: the difference over a row's height is taken of those.
+  return std::min(map_.orders(), (static_cast<int>(std::min<double>(map_.orders(), reach)) + 8) / 8 * 8);
 }
 
 CoreSum::Source CoreSum::source_at(double theta, double source, double height) const {

@@ -64,12 +64,9 @@ class FewerRows {
 
   int rows() const { return fewer_; }
 
-  // column: weighted values of order m -> the same on rows(). `padded`: rows() + 2 kNodes.
-  void hand_over(const Lanes* column, int m, Lanes* padded, Lanes* out) const {
-    if (fewer_ == rows_) {
-      std::copy_n(column, rows_, out);
-      return;
-    }
+  // column: weighted values of order m, at least rows() of them -> the same on rows(). `padded`: rows() + 2 kNodes.
+  void hand_over(Lanes* column, int m, Lanes* padded) const {
+    if (fewer_ == rows_) return;
     std::fill_n(padded, fewer_ + 2 * kNodes, Lanes{});
     const int rows = rows_;
     const Share* shares = shares_.data();
@@ -79,11 +76,11 @@ class FewerRows {
         for (int k = 0; k < kNodes; ++k) to[k] += shares[j].weight[k] * column[j];
       }
     });
-    std::copy_n(padded + kNodes, fewer_, out);
+    std::copy_n(padded + kNodes, fewer_, column);
     const double sign = m % 2 == 0 ? 1 : -1;  // of a Legendre function over a pole
     for (int k = 0; k < kNodes; ++k) {
-      out[k] += sign * padded[kNodes - 1 - k];
-      out[fewer_ - 1 - k] += sign * padded[kNodes + fewer_ + k];
+      column[k] += sign * padded[kNodes - 1 - k];
+      column[fewer_ - 1 - k] += sign * padded[kNodes + fewer_ + k];
     }
   }
 
@@ -104,7 +101,7 @@ void analyse_orders(const RowSpectrum& spectrum, const LegendreTable& table, con
                     const std::vector<RowBlock>& blocks, int first, int last,
                     HarmonicCoefficients& coefficients) {
   const int rows = spectrum.rows(), fewer_rows = fewer.rows();
-  std::vector<Lanes> padded(std::size_t(rows + 6) * kOrdersAtOnce), cells(rows), column(fewer_rows),
+  std::vector<Lanes> padded(std::size_t(rows + 6) * kOrdersAtOnce), column(rows),
       margins(fewer_rows + 2 * FewerRows::kNodes), scratch(2 * table.bands());
   const double weight = 2 * std::numbers::pi * std::numbers::pi / rows;
   in_widest_registers([&]() __attribute__((always_inline)) {
@@ -119,8 +116,8 @@ void analyse_orders(const RowSpectrum& spectrum, const LegendreTable& table, con
 
   for (int m = first; m < last; ++m) {
     integrate_cells(padded.data() + std::size_t(m - first) * (rows + 6) + 3, rows, m, sin_theta,
-                    cells.data());
-    fewer.hand_over(cells.data(), m, margins.data(), column.data());
+                    column.data());
+    fewer.hand_over(column.data(), m, margins.data());
     const LegendreOrder legendre(table, m, table.bands());
     for (std::size_t b = legendre.first_block(blocks) / 2 * 2; b < blocks.size(); b += 2) {
       // Rows that only fill up a block count as 0, not as whatever was there.

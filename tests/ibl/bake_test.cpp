@@ -115,6 +115,40 @@ TEST(Bake, AgreesWithDoubleSumsUnderASunInTheZenith) {
   expect_levels_within_bars(baked_zenith(), 12);
 }
 
+// A map with more rows than its levels, which are made of fewer.
+TEST(Bake, LargeMapsKeepTheBars) {
+  const auto baked = bake(sunny_map({4096, 2048}, 700));
+  const Direction sun = reference::texel_direction({4096, 2048}, 4096 / 3, 700);
+  const auto compare = [&](std::size_t first, std::size_t last, const std::vector<Direction>& directions) {
+    std::vector<double> alphas;
+    for (std::size_t l = first; l < last; ++l)
+      alphas.push_back(std::pow(baked->levels[l].perceptual_roughness, 2));
+    const reference::Prefilter judge(*baked->radiance, alphas);
+    const Extent size = baked->levels[first].equirect.extent;
+    std::vector<std::vector<Rgb>> computed(alphas.size()), expected(alphas.size());
+    for (const Direction& d : directions) {
+      const int i = static_cast<int>((d.phi / (2 * std::numbers::pi) + 0.5) * size.width);
+      const int j = static_cast<int>(d.theta / std::numbers::pi * size.height);
+      const std::vector<Rgb> sums = judge(reference::texel_direction(size, i, j));
+      for (std::size_t l = first; l < last; ++l) {
+        ASSERT_EQ(baked->levels[l].equirect.extent, size);
+        computed[l - first].push_back(reference::texel_value(baked->levels[l].equirect, i, j));
+        expected[l - first].push_back(sums[l - first]);
+      }
+    }
+    for (std::size_t l = first; l < last; ++l) {
+      const double roughness = baked->levels[l].perceptual_roughness;
+      EXPECT_LE(reference::relative_rmse(computed[l - first], expected[l - first]),
+                roughness < 0.125 ? 1e-2 : 1e-3)
+          << "roughness " << roughness;
+    }
+  };
+  std::vector<Direction> directions = {{0.001, 1}, {0.8, -2}, {2.5, 0.3}};
+  for (double away : {0.0, 0.004, 0.02, 0.1}) directions.push_back({sun.theta + away, sun.phi + 0.7 * away});
+  compare(0, 5, directions);
+  compare(baked->levels.size() - 2, baked->levels.size(), {directions[1], directions[5]});
+}
+
 // Sheen levels, by the same judge.
 TEST(Bake, CharlieLevelsAgreeWithDoubleSums) {
   WorkerPool pool(2);
@@ -134,7 +168,9 @@ TEST(Bake, CharlieLevelsAgreeWithDoubleSums) {
       computed.push_back(reference::texel_value(level.equirect, i, j));
       expected.push_back(judge(reference::texel_direction(level.equirect.extent, i, j))[0]);
     }
-    // 512 degrees do not hold the kink of the narrow kernels at the horizon: below 0.2 the bar is that of sharp levels.
+    // The kernel's kink at the horizon lets k_l fall like l^-5/2 only. For a light in one direction 512 degrees leave 10, 2.2
+    // and 0.8 % of the mean at roughness 0.1, 0.15 and 0.2, twice as many a third of that for four times the work: below 0.2
+    // the bar is that of sharp levels.
     EXPECT_LE(reference::relative_rmse(computed, expected), level.perceptual_roughness >= 0.2 ? 1e-3 : 1e-2);
     for (const float sample : level.equirect.samples<float>()) ASSERT_GT(sample, 0);
   }
@@ -184,8 +220,7 @@ TEST(Bake, AnyRoughnessThroughTheShadersLookup) {
     }
   }
   for (std::size_t k = 0; k < alphas.size(); ++k) {
-    // The bar for HDRIs is 1e-2 from roughness 0.15; a lone texel of 1e5 on a small dark map costs up to 1.5e-2 there.
-    EXPECT_LE(reference::relative_rmse(computed[k], expected[k]), roughness[k] < 0.15 ? 3e-2 : 1.6e-2)
+    EXPECT_LE(reference::relative_rmse(computed[k], expected[k]), roughness[k] < 0.15 ? 3e-2 : 1e-2)
         << "roughness " << roughness[k];
   }
 }

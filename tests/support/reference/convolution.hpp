@@ -80,26 +80,37 @@ class Prefilter {
   }
 
   std::vector<Rgb> operator()(Direction d) const {
-    constexpr double kFineness =
-        0.25;  // part size : distance to the kernel's poles; the rule errs by its 4th power / 5
     const auto [width, height] = map_.extent;
-    const double cell_theta = std::numbers::pi / height, cell_phi = 2 * std::numbers::pi / width;
-    const double narrowest = 2 * *std::min_element(alphas_.begin(), alphas_.end());
+    const double cell_theta = std::numbers::pi / height;
     const double roughest = *std::max_element(alphas_.begin(), alphas_.end());
+    const double near = std::cos(std::min(std::numbers::pi, (1 / kFineness + 1) * cell_theta));
+    const double up = std::cos(d.theta), across = std::sin(d.theta);
+    std::vector<double> columns;  // cos of the azimuth from d: of the centre and the two nodes
+    for (int i = 0; i < width; ++i) {
+      const double phi = texel_direction(map_.extent, i, 0).phi - d.phi, cell = 2 * std::numbers::pi / width;
+      for (double offset : {0.0, node(0, 1), node(1, 1)}) columns.push_back(std::cos(phi + cell * offset));
+    }
     std::vector<Rgb> sums(alphas_.size(), Rgb{});
     for (int j = 0; j < height; ++j) {
+      double cos_theta[3], sin_theta[3];
+      for (int k = 0; k < 3; ++k) {
+        const double theta =
+            texel_direction(map_.extent, 0, j).theta + (k == 0 ? 0 : cell_theta * node(k - 1, 1));
+        cos_theta[k] = up * std::cos(theta);
+        sin_theta[k] = std::sin(theta);
+      }
       for (int i = 0; i < width; ++i) {
-        const Direction centre = texel_direction(map_.extent, i, j);
-        const double angle = 2 * std::asin(std::min(1.0, std::sqrt(half_chord2(centre, d))));
-        const double distance = std::hypot(std::max(0.0, angle - cell_theta), narrowest);
-        int parts = std::clamp(static_cast<int>(std::ceil(cell_theta / (kFineness * distance))), 1, 64);
-        // The kink at mu = 0, which counts in wide kernels.
-        if (roughest > 0.1 && std::abs(std::cos(angle)) < 1.5 * cell_theta) parts = std::max(parts, 6);
-        for (int part = 0; part < 4 * parts * parts; ++part) {
-          const Direction at = {centre.theta + cell_theta * node(part / (2 * parts), parts),
-                                centre.phi + cell_phi * node(part % (2 * parts), parts)};
-          const double solid_angle = cell_theta * cell_phi * std::sin(at.theta) / (4 * parts * parts);
-          add(texel_value(map_, i, j), 1 - 2 * half_chord2(at, d), solid_angle, sums);
+        const double centre = cos_theta[0] + across * sin_theta[0] * columns[3 * i];
+        // The kink at mu = 0 counts in wide kernels.
+        if (centre > near || (roughest > 0.1 && std::abs(centre) < 1.5 * cell_theta)) {
+          add_parts(i, j, d, sums);
+          continue;
+        }
+        for (int k = 0; k < 4; ++k) {
+          const int row = 1 + k / 2;
+          const double solid_angle = cell_theta * cell_theta * sin_theta[row] / 4 * (2.0 * height / width);
+          add(texel_value(map_, i, j), cos_theta[row] + across * sin_theta[row] * columns[3 * i + 1 + k % 2],
+              solid_angle, sums);
         }
       }
     }
@@ -107,6 +118,25 @@ class Prefilter {
   }
 
  private:
+  // Part size : distance to the kernel's poles; the rule errs by its 4th power / 5.
+  static constexpr double kFineness = 0.25;
+
+  void add_parts(int i, int j, Direction d, std::vector<Rgb>& sums) const {
+    const auto [width, height] = map_.extent;
+    const double cell_theta = std::numbers::pi / height, cell_phi = 2 * std::numbers::pi / width;
+    const double narrowest = 2 * *std::min_element(alphas_.begin(), alphas_.end());
+    const Direction centre = texel_direction(map_.extent, i, j);
+    const double angle = 2 * std::asin(std::min(1.0, std::sqrt(half_chord2(centre, d))));
+    const double distance = std::hypot(std::max(0.0, angle - cell_theta), narrowest);
+    int parts = std::clamp(static_cast<int>(std::ceil(cell_theta / (kFineness * distance))), 1, 64);
+    if (std::abs(std::cos(angle)) < 1.5 * cell_theta) parts = std::max(parts, 6);
+    for (int part = 0; part < 4 * parts * parts; ++part) {
+      const Direction at = {centre.theta + cell_theta * node(part / (2 * parts), parts),
+                            centre.phi + cell_phi * node(part % (2 * parts), parts)};
+      const double solid_angle = cell_theta * cell_phi * std::sin(at.theta) / (4 * parts * parts);
+      add(texel_value(map_, i, j), 1 - 2 * half_chord2(at, d), solid_angle, sums);
+    }
+  }
   static double half_chord2(Direction a, Direction b) {  // sin^2 of half the angle between them
     const double s = std::sin((a.theta - b.theta) / 2), t = std::sin((a.phi - b.phi) / 2);
     return s * s + std::sin(a.theta) * std::sin(b.theta) * t * t;
