@@ -97,6 +97,7 @@ ComposedScene compose_scene(const SceneSpec& spec, const Scene* model) {
     for (std::size_t i = 0; i < model->meshes.size(); ++i) {
       out.mesh_keys.push_back(HashBuilder().add("gltf-mesh").add(model->hash).add(std::int64_t(i)).finish());
     }
+    if (!spec.model_lights) out.scene.lights.clear();
     for (Material& material : out.scene.materials) {
       const auto entry = spec.materials.find(material.name);
       if (entry == spec.materials.end()) continue;
@@ -104,6 +105,7 @@ ComposedScene compose_scene(const SceneSpec& spec, const Scene* model) {
       apply(entry->second, material.name, material);
     }
   }
+  out.scene.lights.insert(out.scene.lights.end(), spec.lights.begin(), spec.lights.end());
   for (std::size_t i = 0; i < spec.nodes.size(); ++i) add_node(spec, i, used, out);
   for (const auto& [name, over] : spec.materials) {
     if (used.contains(name)) continue;

@@ -85,7 +85,7 @@ StoredBake EnvironmentStore::bake(const EnvironmentMapSpec& map, bool extracts_s
 std::shared_ptr<const StoredBake> EnvironmentStore::baked(const EnvironmentMapSpec& map, SunMode sun,
                                                           const Deadline& deadline, StageTimes& times) {
   CacheOutcome outcome = CacheOutcome::kLoaded;
-  const bool extracts_suns = sun == SunMode::kExtract;
+  const bool extracts_suns = sun != SunMode::kKeep;
   const ContentHash key =
       extracts_suns ? HashBuilder().add("without suns").add(map_key(map)).finish() : map_key(map);
   // A constant colour is baked sooner than read.

@@ -114,13 +114,12 @@ PreparedEnvironment prepare_environment(Image radiance, bool extracts_suns, cons
   PreparedEnvironment out;
   EnvironmentSummary& summary = out.summary;
   out.key = key;
-  summary.suns_extracted = extracts_suns;
-  if (extracts_suns) {
+  summary.suns = find_suns(radiance, deadline);
+  summary.suns_extracted = extracts_suns && !summary.suns.empty();
+  if (summary.suns_extracted) {
     SunExtraction extraction = extract_suns(radiance, deadline);
     summary.suns = std::move(extraction.suns);
     radiance = std::move(extraction.residual);
-  } else {
-    summary.suns = find_suns(radiance, deadline);
   }
   const auto shared = std::make_shared<const Image>(std::move(radiance));
   const auto baked = bake_environment(shared, key, pool, deadline);
@@ -131,7 +130,7 @@ PreparedEnvironment prepare_environment(Image radiance, bool extracts_suns, cons
   summary.peak = baked->peak;
   summary.horizontal_illuminance_lux = horizontal_illuminance_lux(*baked);
   summary.bake_ms = baked->bake_ms;
-  if (extracts_suns) {
+  if (summary.suns_extracted) {
     for (const Sun& sun : summary.suns) {
       for (std::size_t c = 0; c < 3; ++c) summary.mean[c] += sun.irradiance[c] / (4 * std::numbers::pi);
       summary.peak = std::max(summary.peak, sun.peak);

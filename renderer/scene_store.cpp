@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "renderer/base/error.hpp"
@@ -26,7 +27,25 @@ glm::dmat3 turned_about_y(double angle_rad) {
   return glm::dmat3(glm::rotate(glm::dmat4(1), angle_rad, glm::dvec3(0, 1, 0)));
 }
 
-// The environment's light and the lights', in world space: about `count` directions.
+// As many as the shaders take, the suns aside; those that give nothing are left out.
+void take_lights(Preparation& out) {
+  constexpr std::size_t kMostSuns = 4;
+  std::size_t left_out = 0;
+  for (const Light& light : out.composed->scene.lights) {
+    if (light.intensity == glm::dvec3(0)) continue;
+    if (out.scene.lights.size() + kMostSuns < gpu::MOST_LIGHTS) {
+      out.scene.lights.push_back(light);
+    } else {
+      ++left_out;
+    }
+  }
+  if (left_out == 0) return;
+  out.notes.push_back({"lights-left-out", "/extensions/KHR_lights_punctual/lights",
+                       fmt::format("{} lights more than are drawn at once ({}) were left out", left_out,
+                                   gpu::MOST_LIGHTS - kMostSuns)});
+}
+
+// The environment's light and that of directional lights, in world space: about `count` directions.
 std::vector<LightDirection> light_on_ground(const PreparedScene& scene, double rotation_rad, int count) {
   const PreparedSky& sky = scene.environment->sky;
   std::vector<LightDirection> sources = ground_light(sky.texels, count);
@@ -37,9 +56,10 @@ std::vector<LightDirection> light_on_ground(const PreparedScene& scene, double r
     for (double& share : source.irradiance) share *= scene.environment_intensity / sky.scale;
   }
   std::vector<std::vector<LightDirection>> all = {std::move(sources)};
-  for (const DirectionalLight& light : scene.lights) {
-    const glm::dvec3 &d = light.towards, &e = light.irradiance;
-    all.push_back(ground_light({d.x, d.y, d.z}, {e.x, e.y, e.z}, light.angular_radius_rad, count));
+  for (const Light& light : scene.lights) {
+    if (light.kind != LightKind::kDirectional || !light.casts_shadow) continue;
+    const glm::dvec3 &d = light.direction, &e = light.intensity;
+    all.push_back(ground_light({-d.x, -d.y, -d.z}, {e.x, e.y, e.z}, light.angular_radius_rad, count));
   }
   return joined_by_light(std::move(all), count);
 }
@@ -158,12 +178,16 @@ void SceneStore::prepare_environment(const RenderSpec& spec, const Deadline& dea
     scene.environment_intensity *= *wanted.illuminance_lux / lux;
   }
 
+  take_lights(out);
   if (environment.summary.suns_extracted) {
     const glm::dmat3 world_from_environment = turned_about_y(wanted.rotation_rad);
     for (const Sun& sun : environment.summary.suns) {
-      scene.lights.push_back({world_from_environment * vector_of(sun.direction),
-                              vector_of(sun.irradiance) * scene.environment_intensity,
-                              sun.angular_radius_rad});
+      Light light;
+      light.kind = LightKind::kDirectional;
+      light.direction = -(world_from_environment * vector_of(sun.direction));
+      light.intensity = vector_of(sun.irradiance) * scene.environment_intensity;
+      light.angular_radius_rad = sun.angular_radius_rad;
+      scene.lights.push_back(light);
     }
   }
   if (const auto* seen = std::get_if<EnvironmentBackground>(&wanted.background)) {

@@ -4,7 +4,8 @@ namespace furnace {
 namespace {
 
 constexpr GLuint kDrawBinding = 1, kMaterialBinding = 2;
-constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kDfgUnit = 7, kGroundUnit = 13;
+constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kDfgUnit = 7, kGroundUnit = 13, kShadowUnit = 14,
+                 kShadowDepthUnit = 15;
 constexpr GLuint kColorLocation = 5;
 
 constexpr SamplerDesc kSkySampler{Wrap::kRepeat, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
@@ -33,6 +34,7 @@ void bind_sky(const PassContext& pass, const GpuTexture& sky) {
 }
 
 void bind_environment(const PassContext& pass) {
+  bind_shadows(pass);
   bind_sky(pass, *pass.scene.sky);
   gl::SamplerCache& samplers = pass.residency.samplers();
   glBindTextureUnit(kAtlasUnit, pass.scene.environment->atlas.id());
@@ -44,6 +46,13 @@ void bind_environment(const PassContext& pass) {
 void bind_texels(gl::Context& context, Residency& residency, GLuint unit, const gl::Texture& texture) {
   glBindTextureUnit(unit, texture.id());
   glBindSampler(unit, residency.samplers().get(context, kTexelSampler));
+}
+
+void bind_shadows(const PassContext& pass) {
+  if (!pass.targets.shadows) return;
+  glBindTextureUnit(kShadowUnit, pass.targets.shadows->maps.id());
+  glBindSampler(kShadowUnit, 0);
+  bind_texels(pass.context, pass.residency, kShadowDepthUnit, pass.targets.shadows->maps);
 }
 
 void bind_ground(const PassContext& pass) {

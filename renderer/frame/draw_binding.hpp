@@ -17,6 +17,8 @@ void bind_sky(const PassContext& pass, const GpuTexture& sky);
 void bind_environment(const PassContext& pass);
 // A texture whose texels are fetched one by one.
 void bind_texels(gl::Context& context, Residency& residency, GLuint unit, const gl::Texture& texture);
+// The shadow maps, as they are compared and as they are.
+void bind_shadows(const PassContext& pass);
 // The ground's shadow.
 void bind_ground(const PassContext& pass);
 // The blocks and textures of a draw.

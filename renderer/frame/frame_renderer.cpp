@@ -1,5 +1,7 @@
 #include "renderer/frame/frame_renderer.hpp"
 
+#include <algorithm>
+
 #include "renderer/frame/frame_uniform.hpp"
 #include "renderer/frame/ground_shadow.hpp"
 #include "renderer/frame/passes.hpp"
@@ -8,7 +10,7 @@
 namespace furnace {
 namespace {
 
-constexpr GLuint kFrameBinding = 0;
+constexpr GLuint kFrameBinding = 0, kLightBinding = 4;
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -39,6 +41,15 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
       glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniform.id());
       const PassContext pass{context_, programs_, residency,           plan, *targets_,
                              scene,    tile,      empty_vertex_array_, frame};
+      gl::Buffer light_uniform;
+      if (!prepared.lights.empty()) {
+        const LightPlan lights =
+            plan_lights(prepared.lights, scene.bounds, {tile.x, tile.y}, int(subframe), int(subframes));
+        provide_shadows(context_, lights.side_px, std::max(lights.views, 1), *targets_);
+        light_uniform = gl::create_buffer(context_, &lights.block, sizeof lights.block);
+        glBindBufferBase(GL_UNIFORM_BUFFER, kLightBinding, light_uniform.id());
+        pass_shadow(pass, lights);
+      }
       pass_visibility(pass);
       pass_veil(pass);
       pass_shade(pass);

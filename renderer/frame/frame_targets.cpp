@@ -65,4 +65,25 @@ void provide_targets(gl::Context& context, const FramePlan& plan, TargetNeeds ne
     targets->accumulated = create_color_target(context, kRadiance, plan.tile_size);
 }
 
+void provide_shadows(gl::Context& context, int side_px, int views, FrameTargets& targets) {
+  if (targets.shadows && targets.shadows->side_px == side_px && targets.shadows->views >= views) return;
+  targets.shadows.reset();
+  ShadowTarget shadows;
+  shadows.side_px = side_px;
+  shadows.views = views;
+  shadows.maps = gl::create_texture_array(context, GL_DEPTH_COMPONENT32F, {side_px, side_px}, views);
+  const GLuint maps = shadows.maps.id();
+  glTextureParameteri(maps, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  glTextureParameteri(maps, GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);  // depth is reversed: nearer is larger
+  glTextureParameteri(maps, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTextureParameteri(maps, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTextureParameteri(maps, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTextureParameteri(maps, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  GLuint framebuffer = 0;
+  glCreateFramebuffers(1, &framebuffer);
+  shadows.framebuffer = gl::Framebuffer(framebuffer);
+  glNamedFramebufferDrawBuffer(framebuffer, GL_NONE);
+  targets.shadows = std::move(shadows);
+}
+
 }  // namespace furnace

@@ -29,6 +29,13 @@ struct VeilTarget {
   gl::Framebuffer framebuffer;
 };
 
+// What lights see: a map each view.
+struct ShadowTarget {
+  int side_px = 0, views = 0;
+  gl::Texture maps;  // depth, an array; compared when it is sampled
+  gl::Framebuffer framebuffer;
+};
+
 struct ColorTarget {
   gl::Texture color;
   gl::Framebuffer framebuffer;
@@ -42,6 +49,7 @@ struct FrameTargets {
   VisibilityTarget visibility;
   ShadingTarget shading;
   std::optional<VeilTarget> veil;          // only for scenes that need it
+  std::optional<ShadowTarget> shadows;     // only for scenes with lights that cast some
   std::optional<ColorTarget> accumulated;  // RGBA32F: the mean of several sub-frames
   ColorTarget film;                        // what is read back
 };
@@ -49,6 +57,9 @@ struct FrameTargets {
 struct TargetNeeds {
   bool veil = false, accumulated = false;
 };
+
+// Makes a shadow target of at least so many views and of this side; what fits is kept. `targets` is provided.
+void provide_shadows(gl::Context& context, int side_px, int views, FrameTargets& targets);
 
 // Makes what `targets` lacks for the plan; what fits is kept.
 void provide_targets(gl::Context& context, const FramePlan& plan, TargetNeeds needs,

@@ -163,14 +163,6 @@ gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const Prepar
   block.atlas_gain = float(scene.environment_intensity / atlas.scale);
   block.sky_gain = float(scene.environment_intensity / environment.sky.scale);
 
-  FURNACE_CHECK(2 * scene.lights.size() <= std::size(block.lights), "{} lights", scene.lights.size());
-  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-    const DirectionalLight& light = scene.lights[i];
-    block.lights[2 * i] = glm::vec4(light.towards, light.angular_radius_rad);
-    block.lights[2 * i + 1] = glm::vec4(light.irradiance, 0);
-  }
-  block.light_count = gpu::uint(scene.lights.size());
-
   block.pixel_footprint = float(1 / std::sqrt(double(plan.jitter_px.size())));
   // Two pixels at 512 px, in proportion elsewhere.
   block.point_size_samples = 2 * std::max(1.f, float(plan.picture.height) / 256.f);

@@ -3,6 +3,7 @@
 
 #include "renderer/frame/frame_plan.hpp"
 #include "renderer/frame/frame_targets.hpp"
+#include "renderer/frame/light_plan.hpp"
 #include "renderer/gl/program.hpp"
 #include "renderer/residency/draw_list.hpp"
 
@@ -23,6 +24,8 @@ struct PassContext {
   bool veiled() const { return !scene.blended.empty() || !scene.strokes.empty(); }
 };
 
+// What each view of `lights` sees of the scene, into its shadow map.
+void pass_shadow(const PassContext& pass, const LightPlan& lights);
 // Opaque and masked triangles: which one each sample sees.
 void pass_visibility(const PassContext& pass);
 // Lines and points, then blended surfaces, farthest first, where no opaque triangle hides them.

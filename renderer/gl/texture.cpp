@@ -35,6 +35,14 @@ void check_memory(const char* what) {
   }
 }
 
+void check_size(const Context& context, Extent extent) {
+  const int limit = context.limits().max_texture_px;
+  if (extent.width <= limit && extent.height <= limit) return;
+  fail(ErrorCode::kTooLarge, "a texture of " + std::to_string(extent.width) + "x" +
+                                 std::to_string(extent.height) + " px exceeds this GPU's limit of " +
+                                 std::to_string(limit) + " px a side");
+}
+
 GLint wrap_mode(Wrap wrap) {
   switch (wrap) {
     case Wrap::kRepeat:
@@ -67,16 +75,21 @@ int mip_levels(Extent extent) {
 }
 
 Texture create_texture(Context& context, GLenum internal_format, Extent extent, int levels) {
-  const int limit = context.limits().max_texture_px;
-  if (extent.width > limit || extent.height > limit) {
-    fail(ErrorCode::kTooLarge, "a texture of " + std::to_string(extent.width) + "x" +
-                                   std::to_string(extent.height) + " px exceeds this GPU's limit of " +
-                                   std::to_string(limit) + " px a side");
-  }
+  check_size(context, extent);
   GLuint id = 0;
   glCreateTextures(GL_TEXTURE_2D, 1, &id);
   Texture texture(id);
   glTextureStorage2D(id, levels, internal_format, extent.width, extent.height);
+  check_memory("a texture");
+  return texture;
+}
+
+Texture create_texture_array(Context& context, GLenum internal_format, Extent extent, int layers) {
+  check_size(context, extent);
+  GLuint id = 0;
+  glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &id);
+  Texture texture(id);
+  glTextureStorage3D(id, 1, internal_format, extent.width, extent.height, layers);
   check_memory("a texture");
   return texture;
 }

@@ -15,6 +15,9 @@ int mip_levels(Extent extent);
 // An immutable 2D texture; `levels` >= 1.
 Texture create_texture(Context&, GLenum internal_format, Extent extent, int levels);
 
+// The same as an array of `layers` with one level each.
+Texture create_texture_array(Context&, GLenum internal_format, Extent extent, int layers);
+
 // Creates and fills level 0 from a tightly packed 1..4 channel image, then builds the chain when `mipmapped`.
 // kUint8: GL_SRGB8_ALPHA8 for kSrgb (4 channels only), else RGBA8/RG8/R8 kinds; kUint16: 16-bit normalised; kFloat16/32 likewise.
 // Errors: kTooLarge over the context's texture size, kGpuUnavailable when memory is out.

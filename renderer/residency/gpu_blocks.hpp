@@ -18,6 +18,7 @@ using uint = std::uint32_t;
 #include "shaders/interface/draw_block.glsl"
 #include "shaders/interface/frame_block.glsl"
 #include "shaders/interface/ground_block.glsl"
+#include "shaders/interface/light_block.glsl"
 #include "shaders/interface/material_block.glsl"
 
 static_assert(sizeof(DrawBlock) % 16 == 0 && sizeof(FrameBlock) % 16 == 0 &&

@@ -63,13 +63,6 @@ struct PreparedEnvironment {
   std::size_t byte_size() const { return sky.byte_size() + atlas.texels.byte_size(); }
 };
 
-// Light from far away. Threads: a value.
-struct DirectionalLight {
-  glm::dvec3 towards{0, 1, 0};  // unit, world, to the light
-  glm::dvec3 irradiance{0};     // on a plane that faces it
-  double angular_radius_rad = 0;
-};
-
 struct PreparedGround {
   double level_m = 0;  // world y
   Bounds bounds;       // of the scene, world
@@ -88,8 +81,7 @@ struct PreparedScene {
   std::vector<Instance> instances;
   std::shared_ptr<const PreparedEnvironment> environment;
   std::shared_ptr<const PreparedSky> background;  // null where no environment is seen
-  std::vector<DirectionalLight>
-      lights;  // at most those of FrameBlock; the environment's intensity is in them
+  std::vector<Light> lights;  // at most gpu::MOST_LIGHTS; the environment's intensity is in its suns
   double environment_intensity = 1, background_intensity = 1;  // multipliers of the maps' radiance
   std::optional<PreparedGround> ground;
 };

@@ -53,10 +53,20 @@ void check_required_extensions(const JsonObject& root) {
 }
 
 GltfCounts count_objects(const JsonObject& root) {
-  return {root.size_of("buffers"),   root.size_of("bufferViews"), root.size_of("accessors"),
-          root.size_of("images"),    root.size_of("samplers"),    root.size_of("textures"),
-          root.size_of("materials"), root.size_of("meshes"),      root.size_of("skins"),
-          root.size_of("cameras"),   root.size_of("nodes"),       root.size_of("scenes")};
+  const auto lights = root.extension("KHR_lights_punctual");
+  return {root.size_of("buffers"),
+          root.size_of("bufferViews"),
+          root.size_of("accessors"),
+          root.size_of("images"),
+          root.size_of("samplers"),
+          root.size_of("textures"),
+          root.size_of("materials"),
+          root.size_of("meshes"),
+          root.size_of("skins"),
+          root.size_of("cameras"),
+          root.size_of("nodes"),
+          root.size_of("scenes"),
+          lights ? lights->size_of("lights") : 0};
 }
 
 template <class T, class Read>
@@ -177,6 +187,8 @@ GltfDocument read_gltf_document(const Blob& bytes, const ImportLimits& limits) {
   document.skins =
       read_all<GltfSkin>(root, "skins", [&](const JsonObject& object) { return read_skin(object, counts); });
   document.cameras = read_all<CameraNode>(root, "cameras", read_camera);
+  if (const auto lights = root.extension("KHR_lights_punctual"))
+    document.lights = read_all<std::optional<Light>>(*lights, "lights", read_light);
   document.nodes =
       read_all<GltfNode>(root, "nodes", [&](const JsonObject& object) { return read_node(object, counts); });
   link_nodes(document.nodes, limits);

@@ -119,7 +119,7 @@ struct GltfNode {
   std::string name;
   std::vector<int> children;
   int parent = -1;
-  std::optional<int> mesh, skin, camera;
+  std::optional<int> mesh, skin, camera, light;
   std::vector<double> weights;
   std::optional<glm::dmat4> matrix;  // else the three below
   glm::dvec3 translation{0};
@@ -143,6 +143,8 @@ struct GltfDocument {
   std::vector<GltfMesh> meshes;
   std::vector<GltfSkin> skins;
   std::vector<CameraNode> cameras;  // world_from_view is the node's to fill in
+  // Position and direction are the node's to fill in; none of a kind that is not known.
+  std::vector<std::optional<Light>> lights;
   std::vector<GltfNode> nodes;
   std::vector<GltfScene> scenes;
   std::optional<int> default_scene;

@@ -19,7 +19,8 @@ namespace furnace {
 
 namespace {
 
-constexpr std::array<std::string_view, 4> kSupportedExtensions{
+constexpr std::array<std::string_view, 5> kSupportedExtensions{
+    "KHR_lights_punctual",              // gltf_read_scene.cpp
     "KHR_materials_emissive_strength",  // gltf_read_material.cpp
     "KHR_materials_unlit",              // gltf_read_material.cpp
     "KHR_mesh_quantization",            // gltf_primitive.cpp
@@ -74,6 +75,7 @@ class Importer {
   std::vector<int> nodes_in_order(const std::vector<int>& roots) const;
   void note_ignored_extensions();
   void add_cameras(const std::vector<int>& nodes);
+  void add_lights(const std::vector<int>& nodes);
   void add_mesh(int node_index);
   const std::vector<glm::dmat4>& world_from_bind(int skin);
   std::optional<Instance> shared_primitive(const GltfPrimitiveRef& ref);
@@ -104,6 +106,7 @@ Scene Importer::import(const ModelBundle& bundle, const ImportOptions& options) 
     if (document_.nodes[static_cast<std::size_t>(node)].mesh) add_mesh(node);
   }
   add_cameras(nodes);
+  add_lights(nodes);
   if (scene_.materials.empty()) scene_.materials.push_back(default_material());
   scene_.hash = HashBuilder().add(bundle.hash).add(std::int64_t{options.scene}).finish();
   scene_.notes = notes_.take();
@@ -163,6 +166,28 @@ void Importer::add_cameras(const std::vector<int>& nodes) {
     if (camera.name.empty()) camera.name = document_.nodes[static_cast<std::size_t>(node_index)].name;
     camera.world_from_view = camera_transform(world_from_node_[static_cast<std::size_t>(node_index)]);
     scene_.cameras.push_back(std::move(camera));
+  }
+}
+
+// KHR_lights_punctual: a light shines along -Z of its node, whose scale does not count.
+void Importer::add_lights(const std::vector<int>& nodes) {
+  for (const int node_index : nodes) {
+    const GltfNode& node = document_.nodes[static_cast<std::size_t>(node_index)];
+    if (!node.light) continue;
+    const std::optional<Light>& known = document_.lights[static_cast<std::size_t>(*node.light)];
+    if (!known) {
+      notes_.add("light-ignored",
+                 "/extensions/KHR_lights_punctual/lights/" + std::to_string(*node.light) + "/type",
+                 "is none of directional, point and spot; the light was left out");
+      continue;
+    }
+    Light light = *known;
+    if (light.name.empty()) light.name = node.name;
+    const glm::dmat4 world_from_light(
+        camera_transform(world_from_node_[static_cast<std::size_t>(node_index)]));
+    light.position = glm::dvec3(world_from_light[3]);
+    light.direction = -glm::dvec3(world_from_light[2]);
+    scene_.lights.push_back(std::move(light));
   }
 }
 

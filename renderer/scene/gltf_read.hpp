@@ -10,7 +10,7 @@ namespace furnace {
 // Lengths of the document's arrays, known before any of them is read: what an index is checked against.
 struct GltfCounts {
   int buffers, buffer_views, accessors, images, samplers, textures, materials, meshes, skins, cameras, nodes,
-      scenes;
+      scenes, lights;
 };
 
 // gltf_read_data.cpp
@@ -30,6 +30,7 @@ GltfMaterial read_material(const JsonObject& json, const GltfCounts& counts);
 GltfMesh read_mesh(const JsonObject& json, const GltfCounts& counts);
 GltfSkin read_skin(const JsonObject& json, const GltfCounts& counts);
 CameraNode read_camera(const JsonObject& json);
+std::optional<Light> read_light(const JsonObject& json);
 GltfNode read_node(const JsonObject& json, const GltfCounts& counts);
 // Sets every node's parent. Errors: two parents, a cycle, a depth over the limit.
 void link_nodes(std::vector<GltfNode>& nodes, const ImportLimits& limits);

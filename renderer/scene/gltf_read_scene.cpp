@@ -138,6 +138,39 @@ CameraNode read_camera(const JsonObject& json) {
   return camera;
 }
 
+// KHR_lights_punctual.
+std::optional<Light> read_light(const JsonObject& json) {
+  Light light;
+  light.name = json.string("name");
+  const std::string type = json.required_string("type");
+  if (type == "directional") {
+    light.kind = LightKind::kDirectional;
+  } else if (type == "spot") {
+    light.kind = LightKind::kSpot;
+    if (!json.has("spot")) json.refuse("spot", "is required");
+    const JsonObject spot = json.required_object("spot");
+    light.inner_cone_rad = spot.number("innerConeAngle", 0);
+    light.outer_cone_rad = spot.number("outerConeAngle", kPi / 4);
+    if (!(light.outer_cone_rad > 0 && light.outer_cone_rad <= kPi / 2))
+      spot.refuse("outerConeAngle", "must be greater than 0 and at most pi / 2");
+    if (!(light.inner_cone_rad >= 0 && light.inner_cone_rad < light.outer_cone_rad))
+      spot.refuse("innerConeAngle", "must not be negative, and less than outerConeAngle");
+  } else if (type != "point") {
+    return std::nullopt;
+  }
+  const double intensity = json.number("intensity", 1);
+  if (!(intensity >= 0)) json.refuse("intensity", "must not be negative");
+  light.intensity = glm::dvec3(intensity);
+  if (const auto color = json.vector<3>("color")) {
+    for (int c = 0; c < 3; ++c) {
+      if (!((*color)[std::size_t(c)] >= 0)) json.refuse("color", "must not be negative");
+      light.intensity[c] *= (*color)[std::size_t(c)];
+    }
+  }
+  if (json.has("range")) light.range_m = positive(json, "range");
+  return light;
+}
+
 GltfNode read_node(const JsonObject& json, const GltfCounts& counts) {
   GltfNode node;
   node.name = json.string("name");
@@ -145,6 +178,8 @@ GltfNode read_node(const JsonObject& json, const GltfCounts& counts) {
   node.mesh = json.reference("mesh", "mesh", counts.meshes);
   node.skin = json.reference("skin", "skin", counts.skins);
   node.camera = json.reference("camera", "camera", counts.cameras);
+  if (const auto lights = json.extension("KHR_lights_punctual"))
+    node.light = lights->required_reference("light", "light", counts.lights);
   node.weights = json.numbers("weights");
   read_transform(json, node);
   return node;

@@ -64,9 +64,16 @@ class CanonicalHash {
     add_all(mesh, material, translation, rotation, scale);
   }
 
+  void add(const Light& value) {
+    const auto& [kind, name, position, direction, intensity, range_m, inner_cone_rad, outer_cone_rad,
+                 radius_m, angular_radius_rad, casts_shadow] = value;
+    add_all(kind, name, position, direction, intensity, range_m, inner_cone_rad, outer_cone_rad, radius_m,
+            angular_radius_rad, casts_shadow);
+  }
+
   void add(const SceneSpec& value) {
-    const auto& [model, gltf_scene, nodes, materials] = value;
-    add_all(model, gltf_scene, nodes, materials);
+    const auto& [model, gltf_scene, nodes, materials, lights, model_lights] = value;
+    add_all(model, gltf_scene, nodes, materials, lights, model_lights);
   }
 
   void add(const BuiltinName& value) {

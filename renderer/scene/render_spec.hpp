@@ -14,6 +14,7 @@
 
 #include "renderer/image/image.hpp"
 #include "renderer/scene/gltf_import.hpp"
+#include "renderer/scene/light.hpp"
 #include "renderer/scene/material.hpp"
 #include "renderer/scene/procedural_environment.hpp"
 
@@ -49,6 +50,8 @@ struct SceneSpec {
   int gltf_scene = -1;                       // as ImportOptions::scene
   std::vector<NodeSpec> nodes;
   std::map<std::string, MaterialOverride> materials;
+  std::vector<Light> lights;  // beside those of the model
+  bool model_lights = true;   // whether the model's own shine
 };
 
 struct EnvironmentFile {
@@ -93,7 +96,7 @@ struct GroundSpec {
   std::optional<GroundProjection> projection;  // of the background
 };
 
-// Whether the suns of a map are taken out of it and given as directional lights.
+// Whether the suns of a map are taken out of it and given as directional lights; kAuto: wherever some are found.
 enum class SunMode { kAuto, kKeep, kExtract };
 
 struct EnvironmentSpec {
@@ -151,7 +154,7 @@ struct RenderSpec {
 };
 
 // Raised when the same canonical bytes would mean another picture.
-inline constexpr int kRenderSpecVersion = 2;
+inline constexpr int kRenderSpecVersion = 3;
 
 // Hash of the canonical form: equal for two specs that describe the same picture, whatever JSON they came
 // from.

@@ -28,8 +28,8 @@ std::size_t Mesh::byte_size() const {
 }
 
 std::size_t Scene::byte_size() const {
-  std::size_t size =
-      sizeof(Scene) + bytes_of(materials) + bytes_of(instances) + bytes_of(cameras) + bytes_of(notes);
+  std::size_t size = sizeof(Scene) + bytes_of(materials) + bytes_of(instances) + bytes_of(cameras) +
+                     bytes_of(lights) + bytes_of(notes);
   for (const Mesh& mesh : meshes) size += mesh.byte_size();
   for (const SceneImage& image : images)
     size += sizeof(SceneImage) + image.pointer.capacity() + image.encoded.size();

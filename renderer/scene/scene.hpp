@@ -13,6 +13,7 @@
 #include <glm/glm.hpp>
 
 #include "renderer/base/blob.hpp"
+#include "renderer/scene/light.hpp"
 #include "renderer/scene/material.hpp"
 
 namespace furnace {
@@ -83,6 +84,7 @@ struct Scene {
   std::vector<SceneImage> images;
   std::vector<Instance> instances;
   std::vector<CameraNode> cameras;
+  std::vector<Light> lights;
   std::vector<Note> notes;
 
   std::size_t byte_size() const;

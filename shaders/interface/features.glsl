@@ -12,7 +12,7 @@
 // FEATURE_ALIGNED_MAPS       every texture is of one size and read at UV set 0, untransformed: one level of detail for all
 // FEATURE_VERTEX_COLOR       vertices have colours
 // FEATURE_SHARP_REFLECTION   roughness may fall below the first baked level: the environment itself is read too
-// FEATURE_LIGHTS             directional lights shine beside the environment
+// FEATURE_LIGHTS             lights shine beside the environment
 // FEATURE_VEIL               blended surfaces, lines or points stand before the frame
 // FEATURE_SKY                the environment stands behind the frame
 // FEATURE_MAGNIFIED          its texels are larger than pixels: they are interpolated smoothly

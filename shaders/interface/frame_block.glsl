@@ -27,9 +27,4 @@ struct FrameBlock {
   float shadow_strength;        // of the ground, [0, 1]
   float dome_radius;            // m: of the ground projection
   float dome_height;            // m, of its middle above the ground
-  vec4 lights[8];               // directional, two rows a light: xyz towards it (world, unit), w angular radius (rad); xyz irradiance
-  uint light_count;             // at most 4
-  uint pad_0;
-  uint pad_1;
-  uint pad_2;
 };

@@ -95,6 +95,11 @@ Attributes seen_attributes(uint triangle, vec2 ndc_at) {
 
   Attributes a;
   a.to_viewer_world = to_viewer_world;
+#if FEATURE_LIGHTS
+  a.position_world = deferred.world_from_model * interpolate(rows, 0, at).xyz + deferred.origin.xyz;
+#else
+  a.position_world = vec3(0.0);
+#endif
   vec3 normal_0 = texelFetch(vertices, rows.x + 1).xyz, normal_1 = texelFetch(vertices, rows.y + 1).xyz,
        normal_2 = texelFetch(vertices, rows.z + 1).xyz;
   vec3 normal_model = normal_0 * at.x + normal_1 * at.y + normal_2 * at.z;

@@ -6,6 +6,11 @@ layout(location = 2) in vec4 tangent_world;
 layout(location = 3) in vec4 uv01;
 layout(location = 4) in vec4 vertex_color;
 layout(location = 5) flat in SurfaceConstants constants;
+#if FEATURE_LIGHTS
+layout(location = 14) in vec3 position_world;
+#else
+const vec3 position_world = vec3(0.0);
+#endif
 
 layout(location = 0) out vec4 out_color;  // linear radiance, exposed, premultiplied by alpha
 
@@ -20,7 +25,7 @@ float quad_change2(vec3 value) {
 }
 
 void main() {
-  Attributes a = Attributes(to_viewer_world, normal_world, tangent_world, uv01, 2.0 * dFdx(uv01), 2.0 * dFdy(uv01),
+  Attributes a = Attributes(to_viewer_world, position_world, normal_world, tangent_world, uv01, 2.0 * dFdx(uv01), 2.0 * dFdy(uv01),
                             vertex_color, quad_change2(normalize(normal_world)), gl_FrontFacing, 0.0);
   Surface s = read_surface(a);
   vec3 radiance = surface_radiance(s);

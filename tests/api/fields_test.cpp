@@ -100,8 +100,8 @@ TEST(Fields, OnlyOptionalThingsHaveNoDefault) {
         leaf.path.ends_with("/stops/color") || leaf.path.ends_with("/stops/elevationDegrees") ||
         leaf.path == "/map:clear-sky/dateTime" || leaf.path == "/map:clear-sky/latitudeDegrees" ||
         leaf.path == "/map:clear-sky/longitudeDegrees" || leaf.path == "/camera/lookAt/eye" ||
-
-        leaf.path == "/environment/background/map" ||
+        leaf.path == "/scene/lights/type" || leaf.path == "/scene/lights/fluxLumen" ||
+        leaf.path == "/scene/lights/rangeMetres" || leaf.path == "/environment/background/map" ||
         leaf.path == "/environment/background/rotationDegrees" ||
         leaf.path == "/environment/illuminanceLux" || leaf.path == "/environment/ground/levelMetres" ||
         leaf.path == "/environment/ground/projection/radiusMetres" || leaf.path == "/camera/gltf" ||

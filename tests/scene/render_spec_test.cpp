@@ -50,6 +50,10 @@ NodeSpec& node(RenderSpec& spec) {
 OrbitCamera& orbit(RenderSpec& spec) {
   return std::get<OrbitCamera>(spec.camera.view);
 }
+Light& light(RenderSpec& spec) {
+  return spec.scene.lights.emplace_back();
+}
+
 EnvironmentBackground& seen(RenderSpec& spec) {
   return std::get<EnvironmentBackground>(spec.environment.background);
 }
@@ -120,6 +124,22 @@ const std::vector<Mutation> kMutations = {
     {"no double sided", [](RenderSpec& s) { red(s).double_sided.reset(); }},
     {"unlit", [](RenderSpec& s) { red(s).unlit = true; }},
     {"no unlit", [](RenderSpec& s) { red(s).unlit.reset(); }},
+    {"a light", [](RenderSpec& s) { light(s); }},
+    {"light's kind", [](RenderSpec& s) { light(s).kind = LightKind::kSpot; }},
+    {"light's name", [](RenderSpec& s) { light(s).name = "a"; }},
+    {"light's position", [](RenderSpec& s) { light(s).position.x = 1; }},
+    {"light's direction",
+     [](RenderSpec& s) {
+       light(s).direction = {0, 1, 0};
+     }},
+    {"light's intensity", [](RenderSpec& s) { light(s).intensity.g = 0; }},
+    {"light's range", [](RenderSpec& s) { light(s).range_m = 1; }},
+    {"inner cone", [](RenderSpec& s) { light(s).inner_cone_rad = 0.1; }},
+    {"outer cone", [](RenderSpec& s) { light(s).outer_cone_rad = 0.1; }},
+    {"light's radius", [](RenderSpec& s) { light(s).radius_m = 0.1; }},
+    {"light's angular radius", [](RenderSpec& s) { light(s).angular_radius_rad = 0.1; }},
+    {"no shadow", [](RenderSpec& s) { light(s).casts_shadow = false; }},
+    {"no lights of the model", [](RenderSpec& s) { s.scene.model_lights = false; }},
     {"environment name", [](RenderSpec& s) { s.environment.map = BuiltinName{"overcast"}; }},
     {"environment file", [](RenderSpec& s) { s.environment.map = EnvironmentFile{Blob(std::string("a"))}; }},
     {"other file", [](RenderSpec& s) { s.environment.map = EnvironmentFile{Blob(std::string("b"))}; }},
@@ -165,19 +185,11 @@ const std::vector<Mutation> kMutations = {
     {"suns extracted", [](RenderSpec& s) { s.environment.sun = SunMode::kExtract; }},
     {"transparent background", [](RenderSpec& s) { s.environment.background = TransparentBackground{}; }},
     {"black background", [](RenderSpec& s) { s.environment.background = ColorBackground{}; }},
-    {"background color",
-     [](RenderSpec& s) {
-       s.environment.background = ColorBackground{{0, 1, 0}};
-     }},
+    {"background color", [](RenderSpec& s) { s.environment.background = ColorBackground{{0, 1, 0}}; }},
     {"gradient", [](RenderSpec& s) { s.environment.background = GradientBackground{}; }},
-    {"gradient's top",
-     [](RenderSpec& s) {
-       s.environment.background = GradientBackground{{0, 1, 0}, {}};
-     }},
+    {"gradient's top", [](RenderSpec& s) { s.environment.background = GradientBackground{{0, 1, 0}, {}}; }},
     {"gradient's bottom",
-     [](RenderSpec& s) {
-       s.environment.background = GradientBackground{{1, 1, 1}, {0, 1, 0}};
-     }},
+     [](RenderSpec& s) { s.environment.background = GradientBackground{{1, 1, 1}, {0, 1, 0}}; }},
     {"background map", [](RenderSpec& s) { seen(s).map = BuiltinName{"studio"}; }},
     {"other background map", [](RenderSpec& s) { seen(s).map = BuiltinName{"sky"}; }},
     {"background rotation", [](RenderSpec& s) { seen(s).rotation_rad = 0; }},

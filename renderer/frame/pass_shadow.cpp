@@ -1,0 +1,42 @@
+#include "renderer/frame/draw_binding.hpp"
+
+namespace furnace {
+namespace {
+
+void draw_casters(const PassContext& pass, const glm::mat4& clip_from_world, const std::vector<Draw>& draws) {
+  constexpr gl::FeatureSet kOpacity = gl::kFeatureAlphaMask | gl::kFeatureAlphaBlend;
+  for (const Draw& draw : draws) {
+    if (draw.mesh->mode != GL_TRIANGLES) continue;
+    const bool opaque = (draw.features & kOpacity) == 0;
+    const gl::FeatureSet features = opaque ? 0 : draw.features & (kOpacity | gl::kFeatureMaterialMaps);
+    const GLuint program =
+        pass.programs.request(pass.context, {"shadow/depth.vert", "shadow/depth.frag", features});
+    glProgramUniformMatrix4fv(program, 0, 1, GL_FALSE, &clip_from_world[0][0]);
+    glUseProgram(program);
+    bind_draw(pass.scene, draw);
+    draw_mesh(draw, GL_NONE);
+  }
+}
+
+}  // namespace
+
+void pass_shadow(const PassContext& pass, const LightPlan& lights) {
+  for (int view = 0; view < lights.views; ++view) {
+    const ShadowTarget& target = *pass.targets.shadows;
+    glNamedFramebufferTextureLayer(target.framebuffer.id(), GL_DEPTH_ATTACHMENT, target.maps.id(), 0, view);
+    gl::PassState state;
+    state.framebuffer = target.framebuffer.id();
+    state.viewport = {target.side_px, target.side_px};
+    state.depth = gl::DepthUse::kTestAndWrite;
+    state.clear_depth = true;
+    gl::begin_pass(pass.context, state);
+    // A surface that the light grazes falls by more than a texel's depth within it.
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(-1.5f, -2.f);
+    draw_casters(pass, lights.block.shadow_from_world[view], pass.scene.deferred);
+    draw_casters(pass, lights.block.shadow_from_world[view], pass.scene.blended);
+    glDisable(GL_POLYGON_OFFSET_FILL);
+  }
+}
+
+}  // namespace furnace
