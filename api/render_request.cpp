@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace furnace::api {
 namespace {
@@ -212,7 +213,7 @@ class Reader {
     }
   }
 
-  static void read_camera(const Value& value, CameraSpec& spec) {
+  void read_camera(const Value& value, CameraSpec& spec) {
     const Value orbit = value["orbit"], look_at = value["lookAt"], gltf = value["gltf"],
                 fov = value["fovYDegrees"];
     if (gltf) {
@@ -235,7 +236,31 @@ class Reader {
       read(orbit["orthographic"], camera.orthographic);
       read_degrees(fov, camera.fov_y_rad);
     }
-    read(value["exposureEv"], spec.exposure_ev);
+    read_exposure(value, spec);
+  }
+
+  void read_exposure(const Value& camera, CameraSpec& spec) {
+    read(camera["exposureEv"], spec.exposure_ev);
+    bool automatic = false;
+    read(camera["autoExposure"], automatic);
+    if (automatic) spec.metering = AutoExposure{};
+    if (const Value ev100 = camera["ev100"]) spec.metering = PhysicalExposure{ev100.number()};
+    const Value aperture = camera["aperture"], shutter = camera["shutterSeconds"], iso = camera["iso"];
+    if (aperture && shutter) {
+      double sensitivity = 100;
+      read(iso, sensitivity);
+      spec.metering = PhysicalExposure{ev100_of(aperture.number(), shutter.number(), sensitivity)};
+    } else if (aperture) {
+      faults_.add(ErrorCode::kUnprocessable, aperture, "needs shutterSeconds beside it");
+    } else if (shutter || iso) {
+      faults_.add(ErrorCode::kUnprocessable, shutter ? shutter : iso,
+                  shutter ? "needs aperture beside it" : "needs aperture and shutterSeconds beside it");
+    }
+  }
+
+  // Lagarde and de Rousiers 2014, "Moving Frostbite to Physically Based Rendering", section 5.1.
+  static double ev100_of(double f_number, double shutter_s, double iso) {
+    return std::log2(f_number * f_number / shutter_s) - std::log2(iso / 100);
   }
 
   void read_output(const Value& value, OutputSpec& spec) {
@@ -248,8 +273,13 @@ class Reader {
                                                     {"float", SampleType::kFloat32}};
     read_choice(value["exrType"], kTypes, spec.exr_type);
     static constexpr Choice<ToneMap> kCurves[] = {
-        {"pbr-neutral", ToneMap::kPbrNeutral}, {"linear", ToneMap::kLinear}, {"none", ToneMap::kNone}};
+        {"pbr-neutral", ToneMap::kPbrNeutral}, {"aces", ToneMap::kAces},     {"agx", ToneMap::kAgx},
+        {"reinhard", ToneMap::kReinhard},      {"linear", ToneMap::kLinear}, {"none", ToneMap::kNone}};
     read_choice(value["toneMap"], kCurves, spec.tone_map);
+    read(value["whiteBalanceKelvin"], spec.grade.white_balance_kelvin);
+    read(value["whiteBalanceTint"], spec.grade.white_balance_tint);
+    read(value["contrast"], spec.grade.contrast);
+    read(value["saturation"], spec.grade.saturation);
     const Value quality = value["quality"];
     spec.samples = samples_for_quality(quality ? quality.text() : kDefaultQuality);
     read(value["samples"], spec.samples);

@@ -48,6 +48,7 @@ struct Film {
   Image image;
   std::vector<Note> notes;  // what was not drawn as asked
   StageTimes times;
+  double exposure_ev = 0;  // stops by which radiance was multiplied
 };
 
 struct EnvironmentAnswer {

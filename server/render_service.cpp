@@ -52,7 +52,8 @@ EncodedImage RenderService::render(const RenderSpec& spec, const Deadline& deadl
 
   check_deadline(deadline, "encode");
   const auto encoding = Clock::now();
-  EncodedImage out{{}, media_type_of(spec.output.format), std::move(film.notes), film.times};
+  EncodedImage out{
+      {}, media_type_of(spec.output.format), std::move(film.notes), film.times, film.exposure_ev};
   const std::vector<TextField> metadata = {
       {"Software", "Furnace " + std::string(version())},
       {"furnace:request", spec_hash(spec).hex()},

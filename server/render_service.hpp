@@ -17,6 +17,7 @@ struct EncodedImage {
   std::string_view media_type;  // "image/png", "image/x-exr"
   std::vector<Note> notes;
   StageTimes times;
+  double exposure_ev = 0;  // stops by which radiance was multiplied
 };
 
 std::string_view media_type_of(OutputFormat format);

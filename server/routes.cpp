@@ -160,7 +160,9 @@ Reply post_render(const Doors& doors, const Request& request) {
     log::info("render.note", {{"code", note.code}, {"pointer", note.pointer}, {"message", note.message}});
   }
   Reply reply{200, std::string(image.media_type), std::move(image.bytes), {}};
-  reply.with("Server-Timing", server_timing(image.times)).with("Furnace-Notes", notes_field(image.notes));
+  reply.with("Server-Timing", server_timing(image.times))
+      .with("Furnace-Notes", notes_field(image.notes))
+      .with("Furnace-Exposure-Ev", fmt::format("{}", image.exposure_ev));
   return with_validators(reply, doors, etag);
 }
 

@@ -165,14 +165,28 @@ class CanonicalHash {
     add(which);
   }
 
+  void add(const UnmeteredExposure&) {}
+
+  void add(const PhysicalExposure& value) {
+    const auto& [ev100] = value;
+    add(ev100);
+  }
+
+  void add(const AutoExposure&) {}
+
   void add(const CameraSpec& value) {
-    const auto& [view, exposure_ev] = value;
-    add_all(view, exposure_ev);
+    const auto& [view, metering, exposure_ev] = value;
+    add_all(view, metering, exposure_ev);
+  }
+
+  void add(const ColorGrade& value) {
+    const auto& [white_balance_kelvin, white_balance_tint, contrast, saturation] = value;
+    add_all(white_balance_kelvin, white_balance_tint, contrast, saturation);
   }
 
   void add(const OutputSpec& value) {
-    const auto& [width, height, format, exr_type, tone_map, samples] = value;
-    add_all(width, height, format, exr_type, tone_map, samples);
+    const auto& [width, height, format, exr_type, tone_map, grade, samples] = value;
+    add_all(width, height, format, exr_type, tone_map, grade, samples);
   }
 
   void add(const RenderSpec& value) {

@@ -122,23 +122,45 @@ struct GltfCamera {
   std::variant<int, std::string> which = 0;  // index or name
 };
 
+// Radiance is multiplied by 2^exposure_ev whatever is metered.
+struct UnmeteredExposure {};
+struct PhysicalExposure {
+  double ev100 = 0;  // stops, for ISO 100: renderer/frame/exposure.hpp
+};
+struct AutoExposure {};  // by the picture's own mean
+
 struct CameraSpec {
   std::variant<OrbitCamera, LookAtCamera, GltfCamera> view = OrbitCamera{};
-  double exposure_ev = 0;  // stops: radiance is multiplied by 2^exposure_ev
+  std::variant<UnmeteredExposure, PhysicalExposure, AutoExposure> metering;
+  double exposure_ev = 0;  // stops, more than what is metered
 };
 
 enum class OutputFormat { kPng, kExr };
 enum class ToneMap {
   kPbrNeutral,
   kLinear,
-  kNone
+  kNone,
+  kAces,
+  kAgx,
+  kReinhard,
 };  // kLinear clips; kNone: scene radiance straight to the transfer function
+
+// What is done to exposed radiance before the tone curve.
+struct ColorGrade {
+  double white_balance_kelvin = 6504;  // of the light that shall look white, [1667, 25000]
+  double white_balance_tint = 0;       // of that light: above the daylight locus, 1/3000 of CIE 1960 v
+  double contrast = 1;                 // exponent about mid grey, >= 0
+  double saturation = 1;               // >= 0; 0: grey
+
+  bool operator==(const ColorGrade&) const = default;
+};
 
 struct OutputSpec {
   int width = 1024, height = 1024;  // px
   OutputFormat format = OutputFormat::kPng;
   SampleType exr_type = SampleType::kFloat16;
   ToneMap tone_map = ToneMap::kPbrNeutral;
+  ColorGrade grade;
   int samples = 1;  // sub-frames, each with the context's MSAA
 };
 

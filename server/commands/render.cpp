@@ -128,6 +128,7 @@ void tell_picture(const EncodedImage& image, double total_ms) {
   const StageTimes& t = image.times;
   if (!on_terminal()) {
     log::info("render.done", {{"bytes", image.bytes.size()},
+                              {"exposure_ev", image.exposure_ev},
                               {"total_ms", total_ms},
                               {"queue_ms", t.queue_ms},
                               {"decode_ms", t.decode_ms},
@@ -139,10 +140,11 @@ void tell_picture(const EncodedImage& image, double total_ms) {
     return;
   }
   fmt::print(stderr,
-             "{} bytes in {:.1f} ms: decode {:.1f}, bake {:.1f}, upload {:.1f}, draw {:.1f}, read back "
+             "{} bytes, exposed by {} stops, in {:.1f} ms: decode {:.1f}, bake {:.1f}, upload {:.1f}, draw "
+             "{:.1f}, read back "
              "{:.1f}, encode {:.1f}\n",
-             image.bytes.size(), total_ms, t.decode_ms, t.bake_ms, t.upload_ms, t.draw_ms, t.readback_ms,
-             t.encode_ms);
+             image.bytes.size(), image.exposure_ev, total_ms, t.decode_ms, t.bake_ms, t.upload_ms, t.draw_ms,
+             t.readback_ms, t.encode_ms);
 }
 
 void tell_notes(const std::vector<Note>& notes) {
@@ -205,7 +207,16 @@ void add_options(CLI::App& command, Arguments& to) {
                      "of the camera, degrees: 0 looks from +Z, 90 from +X");
   command.add_option("--elevation", options.elevation_degrees, "of the camera, degrees towards +Y");
   command.add_option("--exposure", options.exposure_ev, "stops");
-  command.add_option("--tone-map", options.tone_map, "pbr-neutral, linear or none");
+  command.add_option("--ev100", options.ev100, "exposure of a physical camera, for radiance in cd/m2");
+  command.add_option("--aperture", options.aperture, "the same by f-number, with --shutter");
+  command.add_option("--shutter", options.shutter_seconds, "s, with --aperture");
+  command.add_option("--iso", options.iso, "with --aperture and --shutter");
+  command.add_flag("--auto-exposure", options.auto_exposure, "brings the picture's mean to mid grey");
+  command.add_option("--tone-map", options.tone_map, "pbr-neutral, aces, agx, reinhard, linear or none");
+  command.add_option("--white-balance", options.white_balance_kelvin, "kelvin of the light that looks white");
+  command.add_option("--tint", options.white_balance_tint, "towards magenta, or green if negative");
+  command.add_option("--contrast", options.contrast, "exponent about mid grey");
+  command.add_option("--saturation", options.saturation, "0: grey, 1: as it is");
   command.add_option("--format", options.format, "png or exr; else the ending of OUT says it");
   command.add_option("--exr-type", options.exr_type, "half or float");
   CLI::Option* quality =

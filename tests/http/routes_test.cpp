@@ -80,6 +80,7 @@ TEST_F(RoutesTest, APictureWithItsHeaders) {
   EXPECT_EQ(header(reply, "Vary"), "Accept");
   EXPECT_EQ(header(reply, "Furnace-Fingerprint"), "fake/1");
   EXPECT_EQ(header(reply, "Furnace-Notes"), "0");
+  EXPECT_EQ(header(reply, "Furnace-Exposure-Ev"), "0.25");
   EXPECT_EQ(header(reply, "X-Request-Id"), "test-id");
   EXPECT_EQ(header(reply, "X-Content-Type-Options"), "nosniff");
   EXPECT_THAT(header(reply, "Server-Timing"), HasSubstr("draw;dur=1.00"));

@@ -15,13 +15,15 @@ Mesh sphere(int rings) {
   for (int j = 0; j <= rings; ++j) {
     for (int i = 0; i <= columns; ++i) {
       const double theta = 3.14159265358979 * j / rings, phi = 2 * 3.14159265358979 * (i % columns) / columns;
-      mesh.positions.emplace_back(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
+      mesh.positions.emplace_back(std::sin(theta) * std::cos(phi), std::cos(theta),
+                                  std::sin(theta) * std::sin(phi));
     }
   }
   const auto at = [&](int i, int j) { return std::uint32_t(j * (columns + 1) + i); };
   for (int j = 0; j < rings; ++j) {
     for (int i = 0; i < columns; ++i) {
-      for (std::uint32_t index : {at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)})
+      for (std::uint32_t index :
+           {at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)})
         mesh.indices.push_back(index);
     }
   }
@@ -31,7 +33,8 @@ Mesh sphere(int rings) {
 // How far the triangles reach in a direction.
 float reach(const Mesh& mesh, const std::vector<std::uint32_t>& indices, const glm::vec3& direction) {
   float farthest = -1;
-  for (const std::uint32_t index : indices) farthest = std::max(farthest, glm::dot(mesh.positions[index], direction));
+  for (const std::uint32_t index : indices)
+    farthest = std::max(farthest, glm::dot(mesh.positions[index], direction));
   return farthest;
 }
 
@@ -65,7 +68,8 @@ TEST(Occluder, ScatteredTrianglesStay) {
   Mesh mesh;
   for (std::uint32_t i = 0; i < 3000; ++i) {
     const glm::vec3 corner(float(i % 60), float(i / 60), float(i % 7));
-    mesh.positions.insert(mesh.positions.end(), {corner, corner + glm::vec3(0.9f, 0, 0), corner + glm::vec3(0, 0.9f, 0)});
+    mesh.positions.insert(mesh.positions.end(),
+                          {corner, corner + glm::vec3(0.9f, 0, 0), corner + glm::vec3(0, 0.9f, 0)});
     mesh.indices.insert(mesh.indices.end(), {3 * i, 3 * i + 1, 3 * i + 2});
   }
   EXPECT_GT(occluder_indices(mesh).size(), mesh.indices.size() * 9 / 10);
