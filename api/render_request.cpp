@@ -37,6 +37,9 @@ class Reader {
     read_camera(root["camera"], spec.camera);
     spec.output.format = unstated_format;
     read_output(root["output"], spec.output);
+    if (const std::string fault = format_fault(spec); !fault.empty())
+      faults_.add(ErrorCode::kUnprocessable, root["output"]["format"] ? root["output"]["format"] : root,
+                  fault);
     read(root["strict"], spec.strict);
     faults_.throw_if_any();
     return spec;
@@ -272,6 +275,15 @@ class Reader {
     static constexpr Choice<SampleType> kTypes[] = {{"half", SampleType::kFloat16},
                                                     {"float", SampleType::kFloat32}};
     read_choice(value["exrType"], kTypes, spec.exr_type);
+    static constexpr Choice<ExrCompression> kCompressions[] = {{"none", ExrCompression::kNone},
+                                                               {"zip", ExrCompression::kZip},
+                                                               {"piz", ExrCompression::kPiz},
+                                                               {"dwaa", ExrCompression::kDwaa}};
+    if (const Value compression = value["exrCompression"])
+      read_choice(compression, kCompressions, spec.exr_compression.emplace());
+    read(value["bitDepth"], spec.bit_depth);
+    read(value["compressionQuality"], spec.compression_quality);
+    read(value["lossless"], spec.lossless);
     static constexpr Choice<ToneMap> kCurves[] = {
         {"pbr-neutral", ToneMap::kPbrNeutral}, {"aces", ToneMap::kAces},     {"agx", ToneMap::kAgx},
         {"reinhard", ToneMap::kReinhard},      {"linear", ToneMap::kLinear}, {"none", ToneMap::kNone}};
@@ -313,6 +325,13 @@ class Reader {
 };
 
 }  // namespace
+
+std::string_view media_type_of(OutputFormat format) {
+  const auto* found = std::find_if(kFormats.begin(), kFormats.end(),
+                                   [&](const FormatRow& row) { return row.format == format; });
+  FURNACE_CHECK(found != kFormats.end(), "no row for format {}", static_cast<int>(format));
+  return found->media_type;
+}
 
 int samples_for_quality(std::string_view quality) {
   const auto* found = std::find_if(kQualityLevels.begin(), kQualityLevels.end(),

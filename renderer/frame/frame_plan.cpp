@@ -26,6 +26,12 @@ double exposure_ev(const CameraSpec& camera, double auto_ev) {
   return (is_auto ? auto_ev : 0) + camera.exposure_ev;
 }
 
+SampleType film_type(const OutputSpec& output) {
+  if (output.format == OutputFormat::kExr) return output.exr_type;
+  const bool is_wide = output.format == OutputFormat::kPng && output.bit_depth == 16;
+  return is_wide ? SampleType::kUint16 : SampleType::kUint8;
+}
+
 std::optional<PlannedGrade> plan_grade(const ColorGrade& grade) {
   if (grade == ColorGrade{}) return std::nullopt;
   return PlannedGrade{glm::mat3(white_balance(grade.white_balance_kelvin, grade.white_balance_tint)),
@@ -55,8 +61,12 @@ FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev) {
   const EnvironmentSpec& environment = spec.environment;
   plan.opaque = !std::holds_alternative<TransparentBackground>(environment.background);
   plan.environment_rotation_rad = plan.background_rotation_rad = environment.rotation_rad;
-  // Colours are the picture's: exposure must not change them.
-  const auto unexposed = [&](const glm::vec3& color) { return glm::vec4(color / float(plan.exposure), 1); };
+  plan.grade = plan_grade(spec.output.grade);
+  // Colours are the picture's: neither exposure nor the light that shall look white must change them.
+  const glm::mat3 unbalanced = plan.grade ? glm::inverse(plan.grade->white_balance) : glm::mat3(1);
+  const auto unexposed = [&](const glm::vec3& color) {
+    return glm::vec4(unbalanced * color / float(plan.exposure), 1);
+  };
   if (const auto* seen = std::get_if<EnvironmentBackground>(&environment.background)) {
     plan.background_rotation_rad = seen->rotation_rad.value_or(environment.rotation_rad);
   } else if (const auto* one = std::get_if<ColorBackground>(&environment.background)) {
@@ -69,9 +79,8 @@ FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev) {
     plan.shadow_strength = environment.ground->shadow_strength;
     plan.projection = environment.ground->projection;
   }
-  plan.grade = plan_grade(spec.output.grade);
   plan.tone_map = spec.output.tone_map;
-  plan.film_type = spec.output.format == OutputFormat::kPng ? SampleType::kUint8 : spec.output.exr_type;
+  plan.film_type = film_type(spec.output);
   return plan;
 }
 

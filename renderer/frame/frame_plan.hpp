@@ -38,8 +38,10 @@ struct FramePlan {
   double exposure = 1;                // multiplier, 2^exposure_ev
   std::optional<PlannedGrade> grade;  // none: radiance stays as it is
   ToneMap tone_map = ToneMap::kPbrNeutral;
-  SampleType film_type = SampleType::kUint8;  // kUint8: tone-mapped sRGB; kFloat16/32: linear
+  SampleType film_type = SampleType::kUint8;  // kUint8/16: tone-mapped sRGB; kFloat16/32: linear
   bool opaque = true;                         // no transparent pixel can come out
+
+  bool scene_linear() const { return film_type == SampleType::kFloat16 || film_type == SampleType::kFloat32; }
 };
 
 // Place i of a fixed sequence that fills [-0.5, 0.5)^2 evenly however far it goes; place 0 is the middle.

@@ -16,7 +16,7 @@ enum ToneCurve : GLuint {
 };
 
 ToneCurve tone_curve(const FramePlan& plan) {
-  if (plan.film_type != SampleType::kUint8) return kCurveSceneLinear;
+  if (plan.scene_linear()) return kCurveSceneLinear;
   switch (plan.tone_map) {
     case ToneMap::kPbrNeutral:
       return kCurvePbrNeutral;

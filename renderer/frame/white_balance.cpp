@@ -69,7 +69,10 @@ glm::dvec2 white_chromaticity(double kelvin, double tint) {
 glm::dmat3 adaptation(glm::dvec2 from, glm::dvec2 to) {
   const glm::dmat3 cones_from_xyz =
       glm::transpose(glm::dmat3(0.8951, 0.2664, -0.1614, -0.7502, 1.7135, 0.0367, 0.0389, -0.0685, 1.0296));
-  const glm::dvec3 gain = (cones_from_xyz * xyz_from_xy(to)) / (cones_from_xyz * xyz_from_xy(from));
+  // Of blue in the light of a black body of 1600 K. What gives less, as strong tints of low kelvin, no gain can mend.
+  constexpr double kLeastResponse = 0.05;
+  const glm::dvec3 response = glm::max(cones_from_xyz * xyz_from_xy(from), kLeastResponse);
+  const glm::dvec3 gain = (cones_from_xyz * xyz_from_xy(to)) / response;
   const glm::dmat3 scale(gain.x, 0, 0, 0, gain.y, 0, 0, 0, gain.z);
   return glm::inverse(cones_from_xyz) * scale * cones_from_xyz;
 }

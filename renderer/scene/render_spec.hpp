@@ -12,6 +12,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "renderer/image/encode.hpp"
 #include "renderer/image/image.hpp"
 #include "renderer/scene/gltf_import.hpp"
 #include "renderer/scene/material.hpp"
@@ -135,7 +136,7 @@ struct CameraSpec {
   double exposure_ev = 0;  // stops, more than what is metered
 };
 
-enum class OutputFormat { kPng, kExr };
+enum class OutputFormat { kPng, kExr, kJpeg, kWebp };
 enum class ToneMap {
   kPbrNeutral,
   kLinear,
@@ -158,7 +159,11 @@ struct ColorGrade {
 struct OutputSpec {
   int width = 1024, height = 1024;  // px
   OutputFormat format = OutputFormat::kPng;
+  int bit_depth = 8;  // of a PNG: 8 or 16
   SampleType exr_type = SampleType::kFloat16;
+  std::optional<ExrCompression> exr_compression;  // none: as encode_exr chooses
+  int compression_quality = 90;                   // of JPEG and of WebP that is not lossless, 1 to 100
+  bool lossless = false;                          // of a WebP
   ToneMap tone_map = ToneMap::kPbrNeutral;
   ColorGrade grade;
   int samples = 1;  // sub-frames, each with the context's MSAA
@@ -171,6 +176,9 @@ struct RenderSpec {
   OutputSpec output;
   bool strict = false;  // any Note is an error
 };
+
+// Why a file of the format cannot hold such a picture; "" when it can.
+std::string format_fault(const RenderSpec& spec);
 
 // Raised when the same canonical bytes would mean another picture.
 inline constexpr int kRenderSpecVersion = 2;

@@ -1,5 +1,6 @@
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -76,10 +77,11 @@ void name_environment(const Arguments& arguments, RenderOptions& options, Job& j
 
 // The name of the output says which format it has, unless that was said.
 void name_format(const Arguments& arguments, RenderOptions& options) {
-  const fs::path extension = fs::path(arguments.output).extension();
   if (options.format) return;
-  if (extension == ".png") options.format = "png";
-  if (extension == ".exr") options.format = "exr";
+  const std::string extension = fs::path(arguments.output).extension();
+  for (const api::FormatRow& row : api::kFormats)
+    if (extension.substr(std::min<std::size_t>(1, extension.size())) == row.name) options.format = row.name;
+  if (extension == ".jpg") options.format = "jpeg";
 }
 
 Job make_job(const Arguments& arguments, const RenderOptions& options, Job job) {
@@ -193,7 +195,8 @@ void add_options(CLI::App& command, Arguments& to) {
   RenderOptions& options = to.options;
   command.add_option("input", to.input, "REQUEST.json, MODEL.glb, MODEL.gltf, or - for standard input")
       ->required();
-  command.add_option("-o,--output", to.output, "OUT.png, OUT.exr, or - for standard output")->required();
+  command.add_option("-o,--output", to.output, "OUT.png, .exr, .jpg or .webp, or - for standard output")
+      ->required();
   command.add_option("--environment", to.environment,
                      "an .hdr or .exr file, or the name of a built-in environment");
   command.add_option("--rotation", options.rotation_degrees, "turn of the environment about +Y, degrees");
@@ -217,8 +220,12 @@ void add_options(CLI::App& command, Arguments& to) {
   command.add_option("--tint", options.white_balance_tint, "towards magenta, or green if negative");
   command.add_option("--contrast", options.contrast, "exponent about mid grey");
   command.add_option("--saturation", options.saturation, "0: grey, 1: as it is");
-  command.add_option("--format", options.format, "png or exr; else the ending of OUT says it");
+  command.add_option("--format", options.format, "png, exr, jpeg or webp; else the ending of OUT says it");
+  command.add_option("--bit-depth", options.bit_depth, "of a PNG, 8 or 16");
   command.add_option("--exr-type", options.exr_type, "half or float");
+  command.add_option("--exr-compression", options.exr_compression, "none, zip, piz or dwaa");
+  command.add_option("--compression-quality", options.compression_quality, "of JPEG and WebP, 1 to 100");
+  command.add_flag("--lossless", options.lossless, "of a WebP");
   CLI::Option* quality =
       command.add_option("--quality", options.quality, "draft, standard, high or reference");
   command.add_option("--samples", options.samples, "sub-frames, instead of a quality")->excludes(quality);

@@ -98,7 +98,11 @@ std::string request_document(const RenderOptions& options, const std::string& mo
   output.add("width", options.width);
   output.add("height", options.height);
   output.add("format", options.format);
+  output.add("bitDepth", options.bit_depth);
   output.add("exrType", options.exr_type);
+  output.add("exrCompression", options.exr_compression);
+  output.add("compressionQuality", options.compression_quality);
+  if (options.lossless) output.add_raw("lossless", "true");
   output.add("toneMap", options.tone_map);
   output.add("whiteBalanceKelvin", options.white_balance_kelvin);
   output.add("whiteBalanceTint", options.white_balance_tint);
@@ -131,7 +135,11 @@ void apply_options(const RenderOptions& options, const RenderSpec& said, RenderS
   if (options.width) spec.output.width = said.output.width;
   if (options.height) spec.output.height = said.output.height;
   if (options.format) spec.output.format = said.output.format;
+  if (options.bit_depth) spec.output.bit_depth = said.output.bit_depth;
   if (options.exr_type) spec.output.exr_type = said.output.exr_type;
+  if (options.exr_compression) spec.output.exr_compression = said.output.exr_compression;
+  if (options.compression_quality) spec.output.compression_quality = said.output.compression_quality;
+  if (options.lossless) spec.output.lossless = said.output.lossless;
   if (options.tone_map) spec.output.tone_map = said.output.tone_map;
   if (options.quality || options.samples) spec.output.samples = said.output.samples;
 }

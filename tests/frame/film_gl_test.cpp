@@ -28,7 +28,7 @@ TEST_F(FilmGlTest, PhysicalExposureIsOneAtSaturation) {
   RenderSpec spec = furnace_of(glm::vec3(1.2f * 1024));
   spec.camera.metering = PhysicalExposure{10};
   const Film film = render(spec);
-  EXPECT_NEAR(pixel(film, 0, 0).g, 1, 1e-5);
+  EXPECT_NEAR(pixel(film, 0, 0).g, 1, 5e-4);  // the environment is stored in half floats
   EXPECT_NEAR(film.exposure_ev, -10 - std::log2(1.2), 1e-12);
 }
 
@@ -80,6 +80,13 @@ TEST_F(FilmGlTest, ALampsLightIsBalancedInTheFile) {
   spec.output.grade.white_balance_kelvin = 2856;
   const glm::vec3 white = pixel(render(spec), 32, 32);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(white[c], 1, 1e-2);
+  // A colour behind it is no light: it stays what it is.
+  spec.environment.background = ColorBackground{{0.2f, 0.4f, 0.6f}};
+  spec.output.grade.white_balance_tint = 20;
+  const glm::vec3 behind = pixel(render(spec), 0, 0);
+  EXPECT_NEAR(behind.r, 0.2, 1e-5);
+  EXPECT_NEAR(behind.g, 0.4, 1e-5);
+  EXPECT_NEAR(behind.b, 0.6, 1e-5);
 }
 
 TEST_F(FilmGlTest, ContrastIsOfExposedStraightColour) {
@@ -94,13 +101,36 @@ TEST_F(FilmGlTest, ContrastIsOfExposedStraightColour) {
   half.alpha_mode = AlphaMode::kBlend;
   spec.scene.nodes[0].mesh = "plane";
   spec.scene.materials["m"] = half;
-  spec.camera.view = LookAtCamera{{0, 1, 0}, {0, 0, 0}, {0, 0, -1}, 0.5};
+  spec.camera.view = LookAtCamera{{0, 1, 0}, {0, 0, 0}, {0, 0, -1}, 1.5};
   spec.environment.background = TransparentBackground{};
   const Film film = render(spec);
   const auto samples = film.image.samples<float>();
   EXPECT_NEAR(samples[(32 * 64 + 32) * 4 + 1], 0.36, 2e-3);  // the veil's half floats
   EXPECT_EQ(samples[(32 * 64 + 32) * 4 + 3], 0.5f);
   EXPECT_EQ(samples[1], 0);
+}
+
+TEST_F(FilmGlTest, SixteenBitsRoundToTheSameEight) {
+  RenderSpec spec;
+  NodeSpec ball;
+  ball.mesh = "shader-ball";
+  ball.material = "gold";
+  spec.scene.nodes = {ball};
+  spec.output.width = spec.output.height = 48;
+  const Film narrow = render(spec);
+  spec.output.bit_depth = 16;
+  const Film wide = render(spec);
+  ASSERT_EQ(wide.image.type, SampleType::kUint16);
+  ASSERT_EQ(wide.image.color_space, ColorSpace::kSrgb);
+  const auto eight = narrow.image.samples<std::uint8_t>();
+  const auto sixteen = wide.image.samples<std::uint16_t>();
+  ASSERT_EQ(eight.size(), sixteen.size());
+  bool finer = false;
+  for (std::size_t i = 0; i < eight.size(); ++i) {
+    ASSERT_NEAR(sixteen[i] / 257.0, eight[i], 0.51) << i;  // rounding, and that of the sixteen
+    finer = finer || sixteen[i] % 257 != 0;
+  }
+  EXPECT_TRUE(finer);
 }
 
 TEST_F(FilmGlTest, EachCurveIsItsOwn) {

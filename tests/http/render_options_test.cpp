@@ -22,6 +22,7 @@ RenderOptions everything() {
   options.tone_map = "linear";
   options.format = "exr";
   options.exr_type = "float";
+  options.exr_compression = "none";
   options.azimuth_degrees = 90;
   options.elevation_degrees = -10;
   options.exposure_ev = 1.5;
@@ -53,6 +54,7 @@ TEST(RenderOptions, EveryOptionIsUnderstoodByTheApi) {
   EXPECT_EQ(spec.output.tone_map, ToneMap::kLinear);
   EXPECT_EQ(spec.output.format, OutputFormat::kExr);
   EXPECT_EQ(spec.output.exr_type, SampleType::kFloat32);
+  EXPECT_EQ(spec.output.exr_compression, ExrCompression::kNone);
   EXPECT_NEAR(std::get<OrbitCamera>(spec.camera.view).azimuth_rad, 1.5707963,
               1e-6);  // single precision suffices
   EXPECT_EQ(spec.camera.exposure_ev, 1.5);
@@ -66,6 +68,22 @@ TEST(RenderOptions, EveryOptionIsUnderstoodByTheApi) {
   EXPECT_NEAR(color.z, 0.2158605, 1e-6);  // sRGB 128 as published in many tables
   EXPECT_EQ(spec.environment.sun, SunMode::kKeep);
   EXPECT_TRUE(spec.environment.ground);
+}
+
+TEST(RenderOptions, FormatsHaveTheirOwn) {
+  RenderOptions options;
+  options.format = "webp";
+  options.compression_quality = 75;
+  options.lossless = true;
+  RenderSpec spec = parsed("{}");
+  apply_options(options, parsed(request_document(options, "")), spec);
+  EXPECT_EQ(spec.output.format, OutputFormat::kWebp);
+  EXPECT_EQ(spec.output.compression_quality, 75);
+  EXPECT_TRUE(spec.output.lossless);
+  options = {};
+  options.bit_depth = 16;
+  apply_options(options, parsed(request_document(options, "")), spec);
+  EXPECT_EQ(spec.output.bit_depth, 16);
 }
 
 TEST(RenderOptions, BlursTheEnvironmentThatIsSeen) {
