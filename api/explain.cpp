@@ -137,7 +137,7 @@ class Explainer {
     std::vector<std::string> names, quoted_names;
     for (std::size_t i = 0; i < choices.size(); ++i) {
       if (choices.at(i) == value) return;
-      names.emplace_back(choices.at(i).text());
+      if (choices.at(i).type() == JsonType::kText) names.emplace_back(choices.at(i).text());
       quoted_names.push_back(choices.at(i).excerpt());
     }
     const std::string hint = value.type() == JsonType::kText ? did_you_mean(value.text(), names) : "";

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace furnace::api {
 namespace {
@@ -36,6 +37,9 @@ class Reader {
     read_camera(root["camera"], spec.camera);
     spec.output.format = unstated_format;
     read_output(root["output"], spec.output);
+    if (const std::string fault = format_fault(spec); !fault.empty())
+      faults_.add(ErrorCode::kUnprocessable, root["output"]["format"] ? root["output"]["format"] : root,
+                  fault);
     read(root["strict"], spec.strict);
     faults_.throw_if_any();
     return spec;
@@ -251,7 +255,7 @@ class Reader {
     }
   }
 
-  static void read_camera(const Value& value, CameraSpec& spec) {
+  void read_camera(const Value& value, CameraSpec& spec) {
     const Value orbit = value["orbit"], look_at = value["lookAt"], gltf = value["gltf"],
                 fov = value["fovYDegrees"];
     if (gltf) {
@@ -274,7 +278,31 @@ class Reader {
       read(orbit["orthographic"], camera.orthographic);
       read_degrees(fov, camera.fov_y_rad);
     }
-    read(value["exposureEv"], spec.exposure_ev);
+    read_exposure(value, spec);
+  }
+
+  void read_exposure(const Value& camera, CameraSpec& spec) {
+    read(camera["exposureEv"], spec.exposure_ev);
+    bool automatic = false;
+    read(camera["autoExposure"], automatic);
+    if (automatic) spec.metering = AutoExposure{};
+    if (const Value ev100 = camera["ev100"]) spec.metering = PhysicalExposure{ev100.number()};
+    const Value aperture = camera["aperture"], shutter = camera["shutterSeconds"], iso = camera["iso"];
+    if (aperture && shutter) {
+      double sensitivity = 100;
+      read(iso, sensitivity);
+      spec.metering = PhysicalExposure{ev100_of(aperture.number(), shutter.number(), sensitivity)};
+    } else if (aperture) {
+      faults_.add(ErrorCode::kUnprocessable, aperture, "needs shutterSeconds beside it");
+    } else if (shutter || iso) {
+      faults_.add(ErrorCode::kUnprocessable, shutter ? shutter : iso,
+                  shutter ? "needs aperture beside it" : "needs aperture and shutterSeconds beside it");
+    }
+  }
+
+  // Lagarde and de Rousiers 2014, "Moving Frostbite to Physically Based Rendering", section 5.1.
+  static double ev100_of(double f_number, double shutter_s, double iso) {
+    return std::log2(f_number * f_number / shutter_s) - std::log2(iso / 100);
   }
 
   void read_output(const Value& value, OutputSpec& spec) {
@@ -286,9 +314,23 @@ class Reader {
     static constexpr Choice<SampleType> kTypes[] = {{"half", SampleType::kFloat16},
                                                     {"float", SampleType::kFloat32}};
     read_choice(value["exrType"], kTypes, spec.exr_type);
+    static constexpr Choice<ExrCompression> kCompressions[] = {{"none", ExrCompression::kNone},
+                                                               {"zip", ExrCompression::kZip},
+                                                               {"piz", ExrCompression::kPiz},
+                                                               {"dwaa", ExrCompression::kDwaa}};
+    if (const Value compression = value["exrCompression"])
+      read_choice(compression, kCompressions, spec.exr_compression.emplace());
+    read(value["bitDepth"], spec.bit_depth);
+    read(value["compressionQuality"], spec.compression_quality);
+    read(value["lossless"], spec.lossless);
     static constexpr Choice<ToneMap> kCurves[] = {
-        {"pbr-neutral", ToneMap::kPbrNeutral}, {"linear", ToneMap::kLinear}, {"none", ToneMap::kNone}};
+        {"pbr-neutral", ToneMap::kPbrNeutral}, {"aces", ToneMap::kAces},     {"agx", ToneMap::kAgx},
+        {"reinhard", ToneMap::kReinhard},      {"linear", ToneMap::kLinear}, {"none", ToneMap::kNone}};
     read_choice(value["toneMap"], kCurves, spec.tone_map);
+    read(value["whiteBalanceKelvin"], spec.grade.white_balance_kelvin);
+    read(value["whiteBalanceTint"], spec.grade.white_balance_tint);
+    read(value["contrast"], spec.grade.contrast);
+    read(value["saturation"], spec.grade.saturation);
     const Value quality = value["quality"];
     spec.samples = samples_for_quality(quality ? quality.text() : kDefaultQuality);
     read(value["samples"], spec.samples);
@@ -322,6 +364,13 @@ class Reader {
 };
 
 }  // namespace
+
+std::string_view media_type_of(OutputFormat format) {
+  const auto* found = std::find_if(kFormats.begin(), kFormats.end(),
+                                   [&](const FormatRow& row) { return row.format == format; });
+  FURNACE_CHECK(found != kFormats.end(), "no row for format {}", static_cast<int>(format));
+  return found->media_type;
+}
 
 int samples_for_quality(std::string_view quality) {
   const auto* found = std::find_if(kQualityLevels.begin(), kQualityLevels.end(),

@@ -37,7 +37,10 @@ struct FormatRow {
   std::string_view media_type;
 };
 inline constexpr std::array kFormats = {FormatRow{"png", OutputFormat::kPng, "image/png"},
-                                        FormatRow{"exr", OutputFormat::kExr, "image/x-exr"}};
+                                        FormatRow{"exr", OutputFormat::kExr, "image/x-exr"},
+                                        FormatRow{"jpeg", OutputFormat::kJpeg, "image/jpeg"},
+                                        FormatRow{"webp", OutputFormat::kWebp, "image/webp"}};
+std::string_view media_type_of(OutputFormat format);
 
 // What {} draws, and what a "builtin:" model wears.
 inline constexpr std::string_view kDefaultMesh = "shader-ball";

@@ -8,6 +8,7 @@
 #include "renderer/base/confined_thread.hpp"
 #include "renderer/base/error.hpp"
 #include "renderer/base/log.hpp"
+#include "renderer/frame/exposure.hpp"
 #include "renderer/frame/render_world.hpp"
 #include "renderer/scene/framing.hpp"
 #include "renderer/scene_store.hpp"
@@ -25,6 +26,7 @@ double ms_since(Clock::time_point start) {
 struct GlOutcome {
   enum class Kind { kDone, kEvicted, kContextLost } kind = Kind::kDone;
   FrameResult frame;
+  double exposure_ev = 0;
   double queue_ms = 0, upload_ms = 0;
   bool upload_hit = false;
 };
@@ -46,8 +48,20 @@ GlOutcome draw_on_gl_thread(RenderWorld& world, const RenderSpec& spec, const Pr
   outcome.upload_ms = ms_since(upload_start);
   outcome.upload_hit = !world.residency().uploaded();
 
-  const FramePlan plan = plan_frame(spec, max_tile_px);
-  outcome.frame = world.frames().render(world.residency(), plan, view, scene, preparation.scene, deadline);
+  const auto draw = [&](const FramePlan& plan) {
+    return world.frames().render(world.residency(), plan, view, scene, preparation.scene, deadline);
+  };
+  FrameResult meter;
+  double auto_ev = 0;
+  if (std::holds_alternative<AutoExposure>(spec.camera.metering)) {
+    meter = draw(plan_meter(spec, max_tile_px));
+    auto_ev = metered_ev(meter.pixels);
+  }
+  const FramePlan plan = plan_frame(spec, max_tile_px, auto_ev);
+  outcome.frame = draw(plan);
+  outcome.frame.draw_ms += meter.draw_ms;
+  outcome.frame.readback_ms += meter.readback_ms;
+  outcome.exposure_ev = plan.exposure_ev;
   if (context.lost()) outcome.kind = GlOutcome::Kind::kContextLost;
   return outcome;
 }
@@ -136,6 +150,7 @@ Film Renderer::render(const RenderSpec& spec, const Deadline& deadline) {
       state_->gl_thread.rebuild(deadline);
     }
   }
+  film.exposure_ev = outcome.exposure_ev;
   film.times.upload_hit = outcome.upload_hit;
   film.times.draw_ms = outcome.frame.draw_ms;
   film.times.readback_ms = outcome.frame.readback_ms;

@@ -44,10 +44,11 @@ struct StageTimes {
 
 // A finished picture before encoding.
 struct Film {
-  // PNG: kUint8 kSrgb, RGB (opaque background) or RGBA straight alpha. EXR: kFloat16/32 kLinear, RGB or RGBA premultiplied.
+  // PNG, JPEG, WebP: kUint8 (or kUint16) kSrgb, RGB (opaque background) or RGBA straight alpha. EXR: kFloat16/32 kLinear, RGB or RGBA premultiplied.
   Image image;
   std::vector<Note> notes;  // what was not drawn as asked
   StageTimes times;
+  double exposure_ev = 0;  // stops by which radiance was multiplied
 };
 
 struct EnvironmentAnswer {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "api/render_request.hpp"
 #include "renderer/base/content_hash.hpp"
 #include "renderer/base/error.hpp"
 #include "renderer/image/encode.hpp"
@@ -24,16 +25,21 @@ void refuse_notes(const std::vector<Note>& notes) {
   throw error;
 }
 
-std::string encode(const Film& film, const RenderSpec& spec, const std::vector<TextField>& metadata) {
-  return spec.output.format == OutputFormat::kExr ? encode_exr(film.image, metadata)
-                                                  : encode_png(film.image, metadata);
+std::string encode(const Film& film, const OutputSpec& output, const std::vector<TextField>& metadata) {
+  switch (output.format) {
+    case OutputFormat::kPng:
+      break;
+    case OutputFormat::kExr:
+      return encode_exr(film.image, metadata, output.exr_compression);
+    case OutputFormat::kJpeg:
+      return encode_jpeg(film.image, output.compression_quality, metadata);
+    case OutputFormat::kWebp:
+      return encode_webp(film.image, {output.lossless, output.compression_quality}, metadata);
+  }
+  return encode_png(film.image, metadata);
 }
 
 }  // namespace
-
-std::string_view media_type_of(OutputFormat format) {
-  return format == OutputFormat::kExr ? "image/x-exr" : "image/png";
-}
 
 RenderService::RenderService(Painter painter, Admission& admission, WorkerPool& pool)
     : painter_(std::move(painter)), admission_(admission), pool_(pool) {}
@@ -43,6 +49,7 @@ std::string RenderService::etag(const RenderSpec& spec) const {
 }
 
 EncodedImage RenderService::render(const RenderSpec& spec, const Deadline& deadline) {
+  if (const std::string fault = format_fault(spec); !fault.empty()) fail(ErrorCode::kUnprocessable, fault);
   const auto asked = Clock::now();
   const Admission::Seat seat = admission_.enter(deadline);
   const double queue_ms = milliseconds_since(asked);
@@ -52,13 +59,14 @@ EncodedImage RenderService::render(const RenderSpec& spec, const Deadline& deadl
 
   check_deadline(deadline, "encode");
   const auto encoding = Clock::now();
-  EncodedImage out{{}, media_type_of(spec.output.format), std::move(film.notes), film.times};
+  EncodedImage out{
+      {}, api::media_type_of(spec.output.format), std::move(film.notes), film.times, film.exposure_ev};
   const std::vector<TextField> metadata = {
       {"Software", "Furnace " + std::string(version())},
       {"furnace:request", spec_hash(spec).hex()},
       {"furnace:fingerprint", painter_.fingerprint},
   };
-  pool_.run(Lane::kEncode, [&] { out.bytes = encode(film, spec, metadata); });
+  pool_.run(Lane::kEncode, [&] { out.bytes = encode(film, spec.output, metadata); });
 
   out.times.queue_ms = queue_ms;
   out.times.encode_ms = milliseconds_since(encoding);

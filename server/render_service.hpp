@@ -14,12 +14,11 @@ namespace furnace {
 
 struct EncodedImage {
   std::string bytes;
-  std::string_view media_type;  // "image/png", "image/x-exr"
+  std::string_view media_type;  // of api::kFormats
   std::vector<Note> notes;
   StageTimes times;
+  double exposure_ev = 0;  // stops by which radiance was multiplied
 };
-
-std::string_view media_type_of(OutputFormat format);
 
 // Who draws: a Renderer in the product; tests that need no GL bring their own.
 struct Painter {

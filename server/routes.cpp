@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <ranges>
 #include <set>
 #include <string>
 #include <utility>
@@ -80,12 +81,15 @@ RenderBody read_body(const Request& request, int max_parts) {
   return {request.body, {}};
 }
 
-// What Accept likes best; PNG when it does not care.
+// What Accept likes best; of what it likes as much the first of the table, which is PNG.
 OutputFormat preferred_format(std::string_view accept) {
-  const double png = accept_quality(accept, media_type_of(OutputFormat::kPng));
-  const double exr = accept_quality(accept, media_type_of(OutputFormat::kExr));
-  if (png <= 0 && exr <= 0) fail(ErrorCode::kNotAcceptable, "A render is image/png or image/x-exr.");
-  return exr > png ? OutputFormat::kExr : OutputFormat::kPng;
+  const auto quality = [&](const api::FormatRow& row) { return accept_quality(accept, row.media_type); };
+  const auto best = std::ranges::max_element(api::kFormats, {}, quality);
+  if (quality(*best) <= 0) {
+    const auto types = api::kFormats | std::views::transform(&api::FormatRow::media_type);
+    fail(ErrorCode::kNotAcceptable, fmt::format("A render is one of {}.", fmt::join(types, ", ")));
+  }
+  return best->format;
 }
 
 bool names_format(std::string_view document, const api::RequestLimits& limits) {
@@ -99,13 +103,11 @@ RenderSpec parse_spec(const RenderBody& body, std::string_view accept, const Doo
   const api::Capabilities& can = doors.capabilities;
   const AssetResolver assets(doors.files, body.parts, can.import,
                              [&](const std::string& name) { return doors.environments.find(name); });
-  RenderSpec spec = api::parse_render_request(body.document, assets, can.request);
-  if (!names_format(body.document, can.request)) {
-    spec.output.format = preferred;
-  } else if (accept_quality(accept, media_type_of(spec.output.format)) <= 0) {
+  const RenderSpec spec = api::parse_render_request(body.document, assets, can.request, preferred);
+  const std::string_view media_type = api::media_type_of(spec.output.format);
+  if (names_format(body.document, can.request) && accept_quality(accept, media_type) <= 0) {
     fail(ErrorCode::kNotAcceptable,
-         fmt::format("output.format asks for {}, which Accept refuses.", media_type_of(spec.output.format)),
-         "/output/format");
+         fmt::format("output.format asks for {}, which Accept refuses.", media_type), "/output/format");
   }
   return spec;
 }
@@ -160,7 +162,9 @@ Reply post_render(const Doors& doors, const Request& request) {
     log::info("render.note", {{"code", note.code}, {"pointer", note.pointer}, {"message", note.message}});
   }
   Reply reply{200, std::string(image.media_type), std::move(image.bytes), {}};
-  reply.with("Server-Timing", server_timing(image.times)).with("Furnace-Notes", notes_field(image.notes));
+  reply.with("Server-Timing", server_timing(image.times))
+      .with("Furnace-Notes", notes_field(image.notes))
+      .with("Furnace-Exposure-Ev", fmt::format("{}", image.exposure_ev));
   return with_validators(reply, doors, etag);
 }
 

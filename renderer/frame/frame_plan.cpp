@@ -1,5 +1,8 @@
 #include "renderer/frame/frame_plan.hpp"
 
+#include "renderer/frame/exposure.hpp"
+#include "renderer/frame/white_balance.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -16,6 +19,25 @@ std::vector<Tile> cut_tiles(Extent picture, int side) {
   return tiles;
 }
 
+double exposure_ev(const CameraSpec& camera, double auto_ev) {
+  if (const auto* physical = std::get_if<PhysicalExposure>(&camera.metering))
+    return exposure_ev_of_ev100(physical->ev100) + camera.exposure_ev;
+  const bool is_auto = std::holds_alternative<AutoExposure>(camera.metering);
+  return (is_auto ? auto_ev : 0) + camera.exposure_ev;
+}
+
+SampleType film_type(const OutputSpec& output) {
+  if (output.format == OutputFormat::kExr) return output.exr_type;
+  const bool is_wide = output.format == OutputFormat::kPng && output.bit_depth == 16;
+  return is_wide ? SampleType::kUint16 : SampleType::kUint8;
+}
+
+std::optional<PlannedGrade> plan_grade(const ColorGrade& grade) {
+  if (grade == ColorGrade{}) return std::nullopt;
+  return PlannedGrade{glm::mat3(white_balance(grade.white_balance_kelvin, grade.white_balance_tint)),
+                      float(grade.contrast), float(grade.saturation)};
+}
+
 }  // namespace
 
 // Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences": the R2 sequence, shifted so that sample 0 is the
@@ -27,19 +49,24 @@ glm::vec2 r2_offset(int i) {
   return {float(x - std::floor(x) - 0.5), float(y - std::floor(y) - 0.5)};
 }
 
-FramePlan plan_frame(const RenderSpec& spec, int max_tile_px) {
+FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev) {
   FramePlan plan;
   plan.picture = {spec.output.width, spec.output.height};
   plan.tiles = cut_tiles(plan.picture, max_tile_px);
   plan.tile_size = {std::min(max_tile_px, plan.picture.width), std::min(max_tile_px, plan.picture.height)};
   for (int i = 0; i < spec.output.samples; ++i) plan.jitter_px.push_back(r2_offset(i));
 
-  plan.exposure = std::exp2(spec.camera.exposure_ev);
+  plan.exposure_ev = exposure_ev(spec.camera, auto_ev);
+  plan.exposure = std::exp2(plan.exposure_ev);
   const EnvironmentSpec& environment = spec.environment;
   plan.opaque = !std::holds_alternative<TransparentBackground>(environment.background);
   plan.environment_rotation_rad = plan.background_rotation_rad = environment.rotation_rad;
-  // Colours are the picture's: exposure must not change them.
-  const auto unexposed = [&](const glm::vec3& color) { return glm::vec4(color / float(plan.exposure), 1); };
+  plan.grade = plan_grade(spec.output.grade);
+  // Colours are the picture's: neither exposure nor the light that shall look white must change them.
+  const glm::mat3 unbalanced = plan.grade ? glm::inverse(plan.grade->white_balance) : glm::mat3(1);
+  const auto unexposed = [&](const glm::vec3& color) {
+    return glm::vec4(unbalanced * color / float(plan.exposure), 1);
+  };
   if (const auto* seen = std::get_if<EnvironmentBackground>(&environment.background)) {
     plan.background_rotation_rad = seen->rotation_rad.value_or(environment.rotation_rad);
   } else if (const auto* one = std::get_if<ColorBackground>(&environment.background)) {
@@ -53,7 +80,7 @@ FramePlan plan_frame(const RenderSpec& spec, int max_tile_px) {
     plan.projection = environment.ground->projection;
   }
   plan.tone_map = spec.output.tone_map;
-  plan.film_type = spec.output.format == OutputFormat::kPng ? SampleType::kUint8 : spec.output.exr_type;
+  plan.film_type = film_type(spec.output);
   return plan;
 }
 

@@ -18,6 +18,11 @@ struct Tile {
   Extent size;
 };
 
+struct PlannedGrade {
+  glm::mat3 white_balance{1};  // linear Rec.709
+  float contrast = 1, saturation = 1;
+};
+
 struct FramePlan {
   Extent picture;
   std::vector<Tile>
@@ -29,16 +34,21 @@ struct FramePlan {
   double environment_rotation_rad = 0, background_rotation_rad = 0;
   double shadow_strength = 1;  // of the ground
   std::optional<GroundProjection> projection;
-  double exposure = 1;  // multiplier
+  double exposure_ev = 0;             // stops, of all that the camera asks for
+  double exposure = 1;                // multiplier, 2^exposure_ev
+  std::optional<PlannedGrade> grade;  // none: radiance stays as it is
   ToneMap tone_map = ToneMap::kPbrNeutral;
-  SampleType film_type = SampleType::kUint8;  // kUint8: tone-mapped sRGB; kFloat16/32: linear
+  SampleType film_type = SampleType::kUint8;  // kUint8/16: tone-mapped sRGB; kFloat16/32: linear
   bool opaque = true;                         // no transparent pixel can come out
+
+  bool scene_linear() const { return film_type == SampleType::kFloat16 || film_type == SampleType::kFloat32; }
 };
 
 // Place i of a fixed sequence that fills [-0.5, 0.5)^2 evenly however far it goes; place 0 is the middle.
 glm::vec2 r2_offset(int i);
 
-// Pixels are drawn in tiles of at most `max_tile_px` a side, so that memory does not grow with the picture.
-FramePlan plan_frame(const RenderSpec& spec, int max_tile_px);
+// Pixels are drawn in tiles of at most `max_tile_px` a side, so that memory does not grow with the picture. `auto_ev` is what a
+// meter said (stops), for a camera with automatic exposure.
+FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev = 0);
 
 }  // namespace furnace

@@ -31,7 +31,7 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
                   targets_);
   FrameResult result;
   result.pixels = make_image(plan.picture, 4, plan.film_type,
-                             plan.film_type == SampleType::kUint8 ? ColorSpace::kSrgb : ColorSpace::kLinear);
+                             plan.scene_linear() ? ColorSpace::kLinear : ColorSpace::kSrgb);
   for (const Tile& tile : plan.tiles) {
     const Clock::time_point start = Clock::now();
     for (std::size_t subframe = 0; subframe < subframes; ++subframe) {

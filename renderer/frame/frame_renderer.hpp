@@ -12,7 +12,7 @@
 namespace furnace {
 
 struct FrameResult {
-  Image pixels;  // RGBA of the plan's film_type, straight alpha for kUint8, premultiplied else
+  Image pixels;  // RGBA of the plan's film_type, straight alpha for kUint8/16, premultiplied else
   double draw_ms = 0, readback_ms = 0;
 };
 

@@ -8,6 +8,8 @@ constexpr GLenum kRadiance = GL_RGBA32F;
 
 GLenum film_format(SampleType type) {
   switch (type) {
+    case SampleType::kUint16:
+      return GL_RGBA16;
     case SampleType::kFloat16:
       return GL_RGBA16F;
     case SampleType::kFloat32:

@@ -6,11 +6,37 @@ namespace furnace {
 namespace {
 
 // Numbers of screen/resolve.frag.
-enum ToneCurve : GLuint { kCurvePbrNeutral = 0, kCurveClip = 1, kCurveSceneLinear = 2 };
+enum ToneCurve : GLuint {
+  kCurvePbrNeutral = 0,
+  kCurveClip = 1,
+  kCurveSceneLinear = 2,
+  kCurveAces = 3,
+  kCurveAgx = 4,
+  kCurveReinhard = 5,
+};
 
 ToneCurve tone_curve(const FramePlan& plan) {
-  if (plan.film_type != SampleType::kUint8) return kCurveSceneLinear;
-  return plan.tone_map == ToneMap::kPbrNeutral ? kCurvePbrNeutral : kCurveClip;
+  if (plan.scene_linear()) return kCurveSceneLinear;
+  switch (plan.tone_map) {
+    case ToneMap::kPbrNeutral:
+      return kCurvePbrNeutral;
+    case ToneMap::kAces:
+      return kCurveAces;
+    case ToneMap::kAgx:
+      return kCurveAgx;
+    case ToneMap::kReinhard:
+      return kCurveReinhard;
+    case ToneMap::kLinear:
+    case ToneMap::kNone:
+      break;
+  }
+  return kCurveClip;
+}
+
+void set_grade(GLuint program, const PlannedGrade& grade) {
+  constexpr GLint kAmountsLocation = 6, kWhiteBalanceLocation = 7;
+  glProgramUniform2f(program, kAmountsLocation, grade.contrast, grade.saturation);
+  glProgramUniformMatrix3fv(program, kWhiteBalanceLocation, 1, GL_FALSE, &grade.white_balance[0].x);
 }
 
 void draw_screen(const PassContext& pass, const gl::Texture& source) {
@@ -28,8 +54,8 @@ glm::vec4 background_at(const PassContext& pass, int row) {
 }
 
 // `composes`: this pass is the first to read the sub-frame, so it puts veil and background to it.
-GLuint screen_program(const PassContext& pass, const char* fragment, bool composes, bool fragment_exposes) {
-  gl::FeatureSet features = 0;
+GLuint screen_program(const PassContext& pass, const char* fragment, bool composes, bool fragment_exposes,
+                      gl::FeatureSet features) {
   if (composes && pass.veiled()) {
     features |= gl::kFeatureVeil;
     bind_texels(pass.context, pass.residency, 1, pass.targets.veil->color);
@@ -68,7 +94,7 @@ void pass_accumulate(const PassContext& pass, bool first) {
   gl::PassState state = tile_state(pass, pass.targets.accumulated->framebuffer, Grid::kPixels);
   state.blend = first ? gl::Blend::kOff : gl::Blend::kAdd;
   gl::begin_pass(pass.context, state);
-  const GLuint program = screen_program(pass, "screen/accumulate.frag", true, false);
+  const GLuint program = screen_program(pass, "screen/accumulate.frag", true, false, 0);
   glProgramUniform1f(program, 0, 1.f / float(pass.plan.jitter_px.size()));
   glUseProgram(program);
   draw_screen(pass, pass.targets.shading.color);
@@ -77,9 +103,13 @@ void pass_accumulate(const PassContext& pass, bool first) {
 void pass_resolve(const PassContext& pass) {
   gl::begin_pass(pass.context, tile_state(pass, pass.targets.film.framebuffer, Grid::kPixels));
   const bool lone = is_lone(pass.plan);
-  const GLuint program = screen_program(pass, "screen/resolve.frag", lone, true);
+  const ToneCurve curve = tone_curve(pass.plan);
+  const bool graded = pass.plan.grade || curve > kCurveSceneLinear;
+  const GLuint program =
+      screen_program(pass, "screen/resolve.frag", lone, true, graded ? gl::FeatureSet{gl::kFeatureGrade} : 0);
+  if (graded) set_grade(program, pass.plan.grade.value_or(PlannedGrade{}));
   constexpr float kLargestHalf = 65504, kLargestFloat = 3.4e38f;
-  glProgramUniform1ui(program, 1, tone_curve(pass.plan));
+  glProgramUniform1ui(program, 1, curve);
   glProgramUniform1f(program, 2, pass.plan.film_type == SampleType::kFloat16 ? kLargestHalf : kLargestFloat);
   glUseProgram(program);
   draw_screen(pass, lone ? pass.targets.shading.color : pass.targets.accumulated->color);

@@ -24,6 +24,7 @@ enum Feature : FeatureSet {
   kFeatureMagnified = 1u << 13,
   kFeatureGroundProjection = 1u << 14,
   kFeatureGroundShadow = 1u << 15,
+  kFeatureGrade = 1u << 16,
 };
 
 }  // namespace furnace::gl

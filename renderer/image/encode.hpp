@@ -3,6 +3,7 @@
 
 #include "renderer/image/image.hpp"
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,11 +15,27 @@ struct TextField {
   std::string value;
 };
 
-// 8-bit sRGB, 3 or 4 channels (straight alpha), tagged sRGB. Settings were chosen by bench: encoding must
+// kUint8 or kUint16 sRGB, 3 or 4 channels (straight alpha), tagged sRGB. Settings were chosen by bench: encoding must
 // cost less than drawing the picture did. Errors: kInternal when the codec refuses. Threads: any.
 std::string encode_png(const Image& image, const std::vector<TextField>& metadata);
 
 // Linear RGB(A), alpha premultiplied, channels R G B (A), kFloat16 or kFloat32 as the image's type says.
-std::string encode_exr(const Image& image, const std::vector<TextField>& metadata);
+// Tagged with its primaries and white. Without a `compression`: PIZ for kFloat16, ZIP for kFloat32.
+enum class ExrCompression { kNone, kZip, kPiz, kDwaa };  // kDwaa is lossy
+std::string encode_exr(const Image& image, const std::vector<TextField>& metadata,
+                       std::optional<ExrCompression> compression = {});
+
+// kUint8 sRGB, 1 or 3 channels: baseline, chroma not halved; metadata as comments. `quality` is libjpeg's, 1 to 100.
+std::string encode_jpeg(const Image& image, int quality, const std::vector<TextField>& metadata);
+
+struct WebpSettings {
+  bool lossless = false;  // exact where alpha is not 0
+  int quality = 90;       // libwebp's, 1 to 100, of what is not lossless; alpha always is
+};
+// kUint8 sRGB, 3 or 4 channels (straight alpha), at most kMaxWebpSidePx a side; metadata as XMP, where a key is "Software" or
+// begins with "furnace:".
+inline constexpr int kMaxWebpSidePx = 16383;
+std::string encode_webp(const Image& image, const WebpSettings& settings,
+                        const std::vector<TextField>& metadata);
 
 }  // namespace furnace

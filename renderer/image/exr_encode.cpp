@@ -7,14 +7,33 @@
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 
 #include <cstring>
 #include <string>
 
 namespace furnace {
+namespace {
 
-std::string encode_exr(const Image& image, const std::vector<TextField>& metadata) {
+Imf::Compression imf_compression(ExrCompression compression) {
+  switch (compression) {
+    case ExrCompression::kNone:
+      return Imf::NO_COMPRESSION;
+    case ExrCompression::kZip:
+      return Imf::ZIP_COMPRESSION;
+    case ExrCompression::kPiz:
+      return Imf::PIZ_COMPRESSION;
+    case ExrCompression::kDwaa:
+      return Imf::DWAA_COMPRESSION;
+  }
+  return Imf::NO_COMPRESSION;
+}
+
+}  // namespace
+
+std::string encode_exr(const Image& image, const std::vector<TextField>& metadata,
+                       std::optional<ExrCompression> compression) {
   static constexpr const char* kNames[4][4] = {{"Y"}, {"Y", "A"}, {"R", "G", "B"}, {"R", "G", "B", "A"}};
   const bool is_half = image.type == SampleType::kFloat16;
   FURNACE_CHECK(is_half || image.type == SampleType::kFloat32, "an OpenEXR of sample type {}",
@@ -25,8 +44,10 @@ std::string encode_exr(const Image& image, const std::vector<TextField>& metadat
   try {
     Imf::Header header(image.extent.width, image.extent.height);
     // Both lossless. PIZ writes halves twice as fast as ZIP and smaller; on noisy floats it is twice as slow.
-    header.compression() = is_half ? Imf::PIZ_COMPRESSION : Imf::ZIP_COMPRESSION;
+    header.compression() =
+        imf_compression(compression.value_or(is_half ? ExrCompression::kPiz : ExrCompression::kZip));
     header.zipCompressionLevel() = 1;
+    Imf::addChromaticities(header, Imf::Chromaticities());  // OpenEXR's defaults are those of Rec.709
     Imf::FrameBuffer frame;
     for (int channel = 0; channel < image.channels; ++channel) {
       const char* const name = kNames[image.channels - 1][channel];

@@ -50,11 +50,18 @@ std::uint64_t cost_of(std::span<const std::uint8_t> filtered) {
   return sum;
 }
 
+// PNG stores the more significant byte first.
+Image big_endian(Image image) {
+  for (std::uint16_t& sample : image.samples<std::uint16_t>())
+    sample = static_cast<std::uint16_t>(sample << 8 | sample >> 8);
+  return image;
+}
+
 // The rows as they are compressed. Neighbours are alike: one row in four chooses the filter for itself and the next three.
 std::vector<std::uint8_t> filter_rows(const Image& image) {
   constexpr int kGroup = 4;
   const std::size_t size = image.row_bytes();
-  const auto step = static_cast<std::size_t>(image.channels);
+  const auto step = static_cast<std::size_t>(image.channels) * sample_bytes(image.type);
   std::vector<std::uint8_t> filtered((size + 1) * static_cast<std::size_t>(image.extent.height));
   std::vector<std::uint8_t> trial(size);
   const std::vector<std::uint8_t> nothing(size);
@@ -82,13 +89,14 @@ std::vector<std::uint8_t> filter_rows(const Image& image) {
 
 std::string encode_png(const Image& image, const std::vector<TextField>& metadata) {
   static constexpr std::array<std::uint8_t, 4> kColorType = {0, 4, 2, 6};
-  FURNACE_CHECK(image.type == SampleType::kUint8 && image.extent.area() > 0, "a PNG of sample type {}",
-                static_cast<int>(image.type));
+  const bool is_wide = image.type == SampleType::kUint16;
+  FURNACE_CHECK((is_wide || image.type == SampleType::kUint8) && image.extent.area() > 0,
+                "a PNG of sample type {}", static_cast<int>(image.type));
   std::string png = "\x89PNG\r\n\x1a\n";
   append_chunk(png, "IHDR", [&] {
     append_big_endian(png, static_cast<std::uint32_t>(image.extent.width));
     append_big_endian(png, static_cast<std::uint32_t>(image.extent.height));
-    png += '\x08';
+    png += is_wide ? '\x10' : '\x08';
     png += static_cast<char>(kColorType[static_cast<std::size_t>(image.channels - 1)]);
     png.append(3, '\0');
   });
@@ -96,7 +104,8 @@ std::string encode_png(const Image& image, const std::vector<TextField>& metadat
     append_chunk(png, "sRGB", [&] { png += '\0'; });  // perceptual intent
   }
   for (const TextField& field : metadata) append_text(png, field);
-  append_chunk(png, "IDAT", [&] { append_run_deflated(filter_rows(image), png); });
+  append_chunk(png, "IDAT",
+               [&] { append_run_deflated(filter_rows(is_wide ? big_endian(image) : image), png); });
   append_chunk(png, "IEND", [] {});
   return png;
 }

@@ -1,5 +1,7 @@
 #include "renderer/scene/render_spec.hpp"
 
+#include <algorithm>
+
 namespace furnace {
 namespace {
 
@@ -172,14 +174,30 @@ class CanonicalHash {
     add(which);
   }
 
+  void add(const UnmeteredExposure&) {}
+
+  void add(const PhysicalExposure& value) {
+    const auto& [ev100] = value;
+    add(ev100);
+  }
+
+  void add(const AutoExposure&) {}
+
   void add(const CameraSpec& value) {
-    const auto& [view, exposure_ev] = value;
-    add_all(view, exposure_ev);
+    const auto& [view, metering, exposure_ev] = value;
+    add_all(view, metering, exposure_ev);
+  }
+
+  void add(const ColorGrade& value) {
+    const auto& [white_balance_kelvin, white_balance_tint, contrast, saturation] = value;
+    add_all(white_balance_kelvin, white_balance_tint, contrast, saturation);
   }
 
   void add(const OutputSpec& value) {
-    const auto& [width, height, format, exr_type, tone_map, samples] = value;
-    add_all(width, height, format, exr_type, tone_map, samples);
+    const auto& [width, height, format, bit_depth, exr_type, exr_compression, compression_quality, lossless,
+                 tone_map, grade, samples] = value;
+    add_all(width, height, format, bit_depth, exr_type, exr_compression, compression_quality, lossless,
+            tone_map, grade, samples);
   }
 
   void add(const RenderSpec& value) {
@@ -208,6 +226,16 @@ ContentHash versioned_hash(std::string_view kind, const T& value) {
 }
 
 }  // namespace
+
+std::string format_fault(const RenderSpec& spec) {
+  const OutputSpec& output = spec.output;
+  if (output.format == OutputFormat::kJpeg &&
+      std::holds_alternative<TransparentBackground>(spec.environment.background))
+    return "a JPEG cannot be transparent; ask for png, webp or exr, or for another background";
+  if (output.format == OutputFormat::kWebp && std::max(output.width, output.height) > kMaxWebpSidePx)
+    return "a WebP has at most " + std::to_string(kMaxWebpSidePx) + " px a side; ask for another format";
+  return {};
+}
 
 ContentHash spec_hash(const RenderSpec& spec) {
   return versioned_hash("furnace render spec", spec);

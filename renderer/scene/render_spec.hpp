@@ -12,6 +12,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "renderer/image/encode.hpp"
 #include "renderer/image/image.hpp"
 #include "renderer/scene/gltf_import.hpp"
 #include "renderer/scene/light.hpp"
@@ -125,23 +126,49 @@ struct GltfCamera {
   std::variant<int, std::string> which = 0;  // index or name
 };
 
+// Radiance is multiplied by 2^exposure_ev whatever is metered.
+struct UnmeteredExposure {};
+struct PhysicalExposure {
+  double ev100 = 0;  // stops, for ISO 100: renderer/frame/exposure.hpp
+};
+struct AutoExposure {};  // by the picture's own mean
+
 struct CameraSpec {
   std::variant<OrbitCamera, LookAtCamera, GltfCamera> view = OrbitCamera{};
-  double exposure_ev = 0;  // stops: radiance is multiplied by 2^exposure_ev
+  std::variant<UnmeteredExposure, PhysicalExposure, AutoExposure> metering;
+  double exposure_ev = 0;  // stops, more than what is metered
 };
 
-enum class OutputFormat { kPng, kExr };
+enum class OutputFormat { kPng, kExr, kJpeg, kWebp };
 enum class ToneMap {
   kPbrNeutral,
   kLinear,
-  kNone
+  kNone,
+  kAces,
+  kAgx,
+  kReinhard,
 };  // kLinear clips; kNone: scene radiance straight to the transfer function
+
+// What is done to exposed radiance before the tone curve.
+struct ColorGrade {
+  double white_balance_kelvin = 6504;  // of the light that shall look white, [1667, 25000]
+  double white_balance_tint = 0;       // of that light: above the daylight locus, 1/3000 of CIE 1960 v
+  double contrast = 1;                 // exponent about mid grey, >= 0
+  double saturation = 1;               // >= 0; 0: grey
+
+  bool operator==(const ColorGrade&) const = default;
+};
 
 struct OutputSpec {
   int width = 1024, height = 1024;  // px
   OutputFormat format = OutputFormat::kPng;
+  int bit_depth = 8;  // of a PNG: 8 or 16
   SampleType exr_type = SampleType::kFloat16;
+  std::optional<ExrCompression> exr_compression;  // none: as encode_exr chooses
+  int compression_quality = 90;                   // of JPEG and of WebP that is not lossless, 1 to 100
+  bool lossless = false;                          // of a WebP
   ToneMap tone_map = ToneMap::kPbrNeutral;
+  ColorGrade grade;
   int samples = 1;  // sub-frames, each with the context's MSAA
 };
 
@@ -152,6 +179,9 @@ struct RenderSpec {
   OutputSpec output;
   bool strict = false;  // any Note is an error
 };
+
+// Why a file of the format cannot hold such a picture; "" when it can.
+std::string format_fault(const RenderSpec& spec);
 
 // Raised when the same canonical bytes would mean another picture.
 inline constexpr int kRenderSpecVersion = 3;

@@ -1,5 +1,6 @@
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -76,10 +77,11 @@ void name_environment(const Arguments& arguments, RenderOptions& options, Job& j
 
 // The name of the output says which format it has, unless that was said.
 void name_format(const Arguments& arguments, RenderOptions& options) {
-  const fs::path extension = fs::path(arguments.output).extension();
   if (options.format) return;
-  if (extension == ".png") options.format = "png";
-  if (extension == ".exr") options.format = "exr";
+  const std::string extension = fs::path(arguments.output).extension();
+  for (const api::FormatRow& row : api::kFormats)
+    if (extension.substr(std::min<std::size_t>(1, extension.size())) == row.name) options.format = row.name;
+  if (extension == ".jpg") options.format = "jpeg";
 }
 
 Job make_job(const Arguments& arguments, const RenderOptions& options, Job job) {
@@ -128,6 +130,7 @@ void tell_picture(const EncodedImage& image, double total_ms) {
   const StageTimes& t = image.times;
   if (!on_terminal()) {
     log::info("render.done", {{"bytes", image.bytes.size()},
+                              {"exposure_ev", image.exposure_ev},
                               {"total_ms", total_ms},
                               {"queue_ms", t.queue_ms},
                               {"decode_ms", t.decode_ms},
@@ -139,10 +142,11 @@ void tell_picture(const EncodedImage& image, double total_ms) {
     return;
   }
   fmt::print(stderr,
-             "{} bytes in {:.1f} ms: decode {:.1f}, bake {:.1f}, upload {:.1f}, draw {:.1f}, read back "
+             "{} bytes, exposed by {} stops, in {:.1f} ms: decode {:.1f}, bake {:.1f}, upload {:.1f}, draw "
+             "{:.1f}, read back "
              "{:.1f}, encode {:.1f}\n",
-             image.bytes.size(), total_ms, t.decode_ms, t.bake_ms, t.upload_ms, t.draw_ms, t.readback_ms,
-             t.encode_ms);
+             image.bytes.size(), image.exposure_ev, total_ms, t.decode_ms, t.bake_ms, t.upload_ms, t.draw_ms,
+             t.readback_ms, t.encode_ms);
 }
 
 void tell_notes(const std::vector<Note>& notes) {
@@ -191,7 +195,8 @@ void add_options(CLI::App& command, Arguments& to) {
   RenderOptions& options = to.options;
   command.add_option("input", to.input, "REQUEST.json, MODEL.glb, MODEL.gltf, or - for standard input")
       ->required();
-  command.add_option("-o,--output", to.output, "OUT.png, OUT.exr, or - for standard output")->required();
+  command.add_option("-o,--output", to.output, "OUT.png, .exr, .jpg or .webp, or - for standard output")
+      ->required();
   command.add_option("--environment", to.environment,
                      "an .hdr or .exr file, or the name of a built-in environment");
   command.add_option("--rotation", options.rotation_degrees, "turn of the environment about +Y, degrees");
@@ -205,9 +210,22 @@ void add_options(CLI::App& command, Arguments& to) {
                      "of the camera, degrees: 0 looks from +Z, 90 from +X");
   command.add_option("--elevation", options.elevation_degrees, "of the camera, degrees towards +Y");
   command.add_option("--exposure", options.exposure_ev, "stops");
-  command.add_option("--tone-map", options.tone_map, "pbr-neutral, linear or none");
-  command.add_option("--format", options.format, "png or exr; else the ending of OUT says it");
+  command.add_option("--ev100", options.ev100, "exposure of a physical camera, for radiance in cd/m2");
+  command.add_option("--aperture", options.aperture, "the same by f-number, with --shutter");
+  command.add_option("--shutter", options.shutter_seconds, "s, with --aperture");
+  command.add_option("--iso", options.iso, "with --aperture and --shutter");
+  command.add_flag("--auto-exposure", options.auto_exposure, "brings the picture's mean to mid grey");
+  command.add_option("--tone-map", options.tone_map, "pbr-neutral, aces, agx, reinhard, linear or none");
+  command.add_option("--white-balance", options.white_balance_kelvin, "kelvin of the light that looks white");
+  command.add_option("--tint", options.white_balance_tint, "towards magenta, or green if negative");
+  command.add_option("--contrast", options.contrast, "exponent about mid grey");
+  command.add_option("--saturation", options.saturation, "0: grey, 1: as it is");
+  command.add_option("--format", options.format, "png, exr, jpeg or webp; else the ending of OUT says it");
+  command.add_option("--bit-depth", options.bit_depth, "of a PNG, 8 or 16");
   command.add_option("--exr-type", options.exr_type, "half or float");
+  command.add_option("--exr-compression", options.exr_compression, "none, zip, piz or dwaa");
+  command.add_option("--compression-quality", options.compression_quality, "of JPEG and WebP, 1 to 100");
+  command.add_flag("--lossless", options.lossless, "of a WebP");
   CLI::Option* quality =
       command.add_option("--quality", options.quality, "draft, standard, high or reference");
   command.add_option("--samples", options.samples, "sub-frames, instead of a quality")->excludes(quality);

@@ -69,6 +69,10 @@ bool turns_camera(const RenderOptions& options) {
   return options.azimuth_degrees || options.elevation_degrees;
 }
 
+bool meters(const RenderOptions& options) {
+  return options.ev100 || options.aperture || options.shutter_seconds || options.iso || options.auto_exposure;
+}
+
 }  // namespace
 
 std::string request_document(const RenderOptions& options, const std::string& model) {
@@ -86,11 +90,24 @@ std::string request_document(const RenderOptions& options, const std::string& mo
   orbit.add("elevationDegrees", options.elevation_degrees);
   camera.add_object("orbit", orbit);
   camera.add("exposureEv", options.exposure_ev);
+  camera.add("ev100", options.ev100);
+  camera.add("aperture", options.aperture);
+  camera.add("shutterSeconds", options.shutter_seconds);
+  camera.add("iso", options.iso);
+  if (options.auto_exposure) camera.add_raw("autoExposure", "true");
   output.add("width", options.width);
   output.add("height", options.height);
   output.add("format", options.format);
+  output.add("bitDepth", options.bit_depth);
   output.add("exrType", options.exr_type);
+  output.add("exrCompression", options.exr_compression);
+  output.add("compressionQuality", options.compression_quality);
+  if (options.lossless) output.add_raw("lossless", "true");
   output.add("toneMap", options.tone_map);
+  output.add("whiteBalanceKelvin", options.white_balance_kelvin);
+  output.add("whiteBalanceTint", options.white_balance_tint);
+  output.add("contrast", options.contrast);
+  output.add("saturation", options.saturation);
   output.add("quality", options.quality);
   output.add("samples", options.samples);
   request.add_object("scene", scene);
@@ -108,10 +125,21 @@ void apply_options(const RenderOptions& options, const RenderSpec& said, RenderS
   if (options.ground) spec.environment.ground = said.environment.ground;
   if (turns_camera(options)) spec.camera.view = said.camera.view;
   if (options.exposure_ev) spec.camera.exposure_ev = said.camera.exposure_ev;
+  if (meters(options)) spec.camera.metering = said.camera.metering;
+  const ColorGrade& grade = said.output.grade;
+  ColorGrade& to = spec.output.grade;
+  if (options.white_balance_kelvin) to.white_balance_kelvin = grade.white_balance_kelvin;
+  if (options.white_balance_tint) to.white_balance_tint = grade.white_balance_tint;
+  if (options.contrast) to.contrast = grade.contrast;
+  if (options.saturation) to.saturation = grade.saturation;
   if (options.width) spec.output.width = said.output.width;
   if (options.height) spec.output.height = said.output.height;
   if (options.format) spec.output.format = said.output.format;
+  if (options.bit_depth) spec.output.bit_depth = said.output.bit_depth;
   if (options.exr_type) spec.output.exr_type = said.output.exr_type;
+  if (options.exr_compression) spec.output.exr_compression = said.output.exr_compression;
+  if (options.compression_quality) spec.output.compression_quality = said.output.compression_quality;
+  if (options.lossless) spec.output.lossless = said.output.lossless;
   if (options.tone_map) spec.output.tone_map = said.output.tone_map;
   if (options.quality || options.samples) spec.output.samples = said.output.samples;
 }

@@ -10,7 +10,12 @@ namespace furnace {
 
 struct RenderOptions {
   std::optional<int> width, height, samples;
-  std::optional<std::string> quality, tone_map, format, exr_type;
+  std::optional<std::string> quality, tone_map, format, exr_type, exr_compression;
+  std::optional<int> bit_depth, compression_quality;
+  bool lossless = false;
+  std::optional<double> ev100, aperture, shutter_seconds, iso;
+  bool auto_exposure = false;
+  std::optional<double> white_balance_kelvin, white_balance_tint, contrast, saturation;
   std::optional<double> azimuth_degrees, elevation_degrees, exposure_ev, rotation_degrees;
   std::optional<std::string> environment;  // a reference: "builtin:studio", "part:environment"
   std::optional<std::string> background;   // environment, transparent or #rrggbb

@@ -1,5 +1,5 @@
 // Every shader feature, one a line: its bit is its place in this list, its value in a shader is 0 or 1.
-// A feature is a define only if leaving it out removes a lobe or a class of texture fetches.
+// A feature is a define only if leaving it out removes a lobe, a class of texture fetches or as much arithmetic at every pixel.
 // The shader library refuses any other name; renderer/gl/feature_set.hpp names the same bits for C++.
 //
 // FEATURE_ALPHA_MASK         alpha is cut at a threshold, its edge becomes coverage
@@ -18,3 +18,4 @@
 // FEATURE_MAGNIFIED          its texels are larger than pixels: they are interpolated smoothly
 // FEATURE_GROUND_PROJECTION  its lower half lies flat, as a floor
 // FEATURE_GROUND_SHADOW      a ground under the scene shows its shadow
+// FEATURE_GRADE              white balance, contrast and saturation, and the tone curves of many operations

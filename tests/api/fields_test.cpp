@@ -105,7 +105,9 @@ TEST(Fields, OnlyOptionalThingsHaveNoDefault) {
         leaf.path == "/environment/background/rotationDegrees" ||
         leaf.path == "/environment/illuminanceLux" || leaf.path == "/environment/ground/levelMetres" ||
         leaf.path == "/environment/ground/projection/radiusMetres" || leaf.path == "/camera/gltf" ||
-        leaf.path == "/output/samples";
+        leaf.path == "/camera/ev100" || leaf.path == "/camera/aperture" ||
+        leaf.path == "/camera/shutterSeconds" || leaf.path == "/output/samples" ||
+        leaf.path == "/output/exrCompression";
     EXPECT_NE(stated, needs_none) << leaf.path;
   }
 }

@@ -34,6 +34,7 @@ class FakePainter {
                      : make_image(extent, 3, SampleType::kUint8, ColorSpace::kSrgb);
     film.notes = notes;
     film.times.draw_ms = 1;
+    film.exposure_ev = 0.25;
     return film;
   }
 };

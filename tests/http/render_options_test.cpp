@@ -22,9 +22,17 @@ RenderOptions everything() {
   options.tone_map = "linear";
   options.format = "exr";
   options.exr_type = "float";
+  options.exr_compression = "none";
   options.azimuth_degrees = 90;
   options.elevation_degrees = -10;
   options.exposure_ev = 1.5;
+  options.aperture = 8;
+  options.shutter_seconds = 0.01;
+  options.iso = 400;
+  options.white_balance_kelvin = 3200;
+  options.white_balance_tint = -7;
+  options.contrast = 1.25;
+  options.saturation = 0.5;
   options.rotation_degrees = 180;
   options.environment = "builtin:overcast";
   options.background = "#ff0080";
@@ -46,9 +54,13 @@ TEST(RenderOptions, EveryOptionIsUnderstoodByTheApi) {
   EXPECT_EQ(spec.output.tone_map, ToneMap::kLinear);
   EXPECT_EQ(spec.output.format, OutputFormat::kExr);
   EXPECT_EQ(spec.output.exr_type, SampleType::kFloat32);
+  EXPECT_EQ(spec.output.exr_compression, ExrCompression::kNone);
   EXPECT_NEAR(std::get<OrbitCamera>(spec.camera.view).azimuth_rad, 1.5707963,
               1e-6);  // single precision suffices
   EXPECT_EQ(spec.camera.exposure_ev, 1.5);
+  EXPECT_NEAR(std::get<PhysicalExposure>(spec.camera.metering).ev100, 10.643856,
+              1e-6);  // f/8, 1/100 s, ISO 400
+  EXPECT_EQ(spec.output.grade, (ColorGrade{3200, -7, 1.25, 0.5}));
   EXPECT_EQ(std::get<BuiltinName>(spec.environment.map).name, "overcast");
   const glm::vec3 color = std::get<ColorBackground>(spec.environment.background).color;
   EXPECT_FLOAT_EQ(color.x, 1);
@@ -56,6 +68,22 @@ TEST(RenderOptions, EveryOptionIsUnderstoodByTheApi) {
   EXPECT_NEAR(color.z, 0.2158605, 1e-6);  // sRGB 128 as published in many tables
   EXPECT_EQ(spec.environment.sun, SunMode::kKeep);
   EXPECT_TRUE(spec.environment.ground);
+}
+
+TEST(RenderOptions, FormatsHaveTheirOwn) {
+  RenderOptions options;
+  options.format = "webp";
+  options.compression_quality = 75;
+  options.lossless = true;
+  RenderSpec spec = parsed("{}");
+  apply_options(options, parsed(request_document(options, "")), spec);
+  EXPECT_EQ(spec.output.format, OutputFormat::kWebp);
+  EXPECT_EQ(spec.output.compression_quality, 75);
+  EXPECT_TRUE(spec.output.lossless);
+  options = {};
+  options.bit_depth = 16;
+  apply_options(options, parsed(request_document(options, "")), spec);
+  EXPECT_EQ(spec.output.bit_depth, 16);
 }
 
 TEST(RenderOptions, BlursTheEnvironmentThatIsSeen) {
@@ -66,6 +94,18 @@ TEST(RenderOptions, BlursTheEnvironmentThatIsSeen) {
   RenderSpec spec = parsed(R"({"environment":{"background":{"type":"transparent"}}})");
   apply_options(options, said, spec);
   EXPECT_TRUE(std::holds_alternative<EnvironmentBackground>(spec.environment.background));
+}
+
+TEST(RenderOptions, AMeterReplacesTheOther) {
+  RenderOptions options;
+  options.auto_exposure = true;
+  RenderSpec spec = parsed(R"({"camera":{"ev100":15}})");
+  apply_options(options, parsed(request_document(options, "")), spec);
+  EXPECT_TRUE(std::holds_alternative<AutoExposure>(spec.camera.metering));
+  options.auto_exposure = false;
+  options.ev100 = 3;
+  apply_options(options, parsed(request_document(options, "")), spec);
+  EXPECT_EQ(std::get<PhysicalExposure>(spec.camera.metering).ev100, 3);
 }
 
 TEST(RenderOptions, AppliedToARequestTheyGiveTheSamePicture) {

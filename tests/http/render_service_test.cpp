@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/http/fake_painter.hpp"
+#include "api/render_request.hpp"
 #include "renderer/base/error.hpp"
 
 namespace furnace {
@@ -31,6 +32,32 @@ TEST_F(RenderServiceTest, EncodesInTheFormatAskedFor) {
   const EncodedImage exr = service_.render(spec, {});
   EXPECT_EQ(exr.media_type, "image/x-exr");
   EXPECT_TRUE(exr.bytes.starts_with("\x76\x2f\x31\x01"));
+  spec.output.format = OutputFormat::kJpeg;
+  const EncodedImage jpeg = service_.render(spec, {});
+  EXPECT_EQ(jpeg.media_type, "image/jpeg");
+  EXPECT_TRUE(jpeg.bytes.starts_with("\xff\xd8\xff"));
+  spec.output.format = OutputFormat::kWebp;
+  const EncodedImage webp = service_.render(spec, {});
+  EXPECT_EQ(webp.media_type, "image/webp");
+  EXPECT_EQ(webp.bytes.substr(8, 4), "WEBP");
+}
+
+TEST_F(RenderServiceTest, EveryFileNamesWhatMadeIt) {
+  RenderSpec spec = small();
+  for (const api::FormatRow& row : api::kFormats) {
+    spec.output.format = row.format;
+    const std::string bytes = service_.render(spec, {}).bytes;
+    EXPECT_NE(bytes.find(spec_hash(spec).hex()), std::string::npos) << row.name;
+    EXPECT_NE(bytes.find("fake/1"), std::string::npos) << row.name;
+  }
+}
+
+TEST_F(RenderServiceTest, WhatAFormatCannotHoldIsRefusedBeforeDrawing) {
+  RenderSpec spec = small();
+  spec.output.format = OutputFormat::kJpeg;
+  spec.environment.background = TransparentBackground{};
+  EXPECT_THROW(service_.render(spec, {}), Error);
+  EXPECT_EQ(fake_.drawn, 0);
 }
 
 TEST_F(RenderServiceTest, SameRequestSameBytesAndTag) {

@@ -80,6 +80,7 @@ TEST_F(RoutesTest, APictureWithItsHeaders) {
   EXPECT_EQ(header(reply, "Vary"), "Accept");
   EXPECT_EQ(header(reply, "Furnace-Fingerprint"), "fake/1");
   EXPECT_EQ(header(reply, "Furnace-Notes"), "0");
+  EXPECT_EQ(header(reply, "Furnace-Exposure-Ev"), "0.25");
   EXPECT_EQ(header(reply, "X-Request-Id"), "test-id");
   EXPECT_EQ(header(reply, "X-Content-Type-Options"), "nosniff");
   EXPECT_THAT(header(reply, "Server-Timing"), HasSubstr("draw;dur=1.00"));
@@ -107,6 +108,13 @@ TEST_F(RoutesTest, AcceptChoosesAFormatThatTheDocumentLeavesOpen) {
   EXPECT_EQ(post(kSmall, {{"Accept", "image/x-exr"}}).media_type, "image/x-exr");
   EXPECT_EQ(post(kSmall, {{"Accept", "image/png;q=0.5, image/x-exr"}}).media_type, "image/x-exr");
   EXPECT_EQ(post(kSmall, {{"Accept", "*/*"}}).media_type, "image/png");
+  EXPECT_EQ(post(kSmall, {{"Accept", "image/jpeg"}}).media_type, "image/jpeg");
+  EXPECT_EQ(post(kSmall, {{"Accept", "image/webp, image/jpeg;q=0.9"}}).media_type, "image/webp");
+  // What browsers send: nothing is liked better than PNG.
+  EXPECT_EQ(post(kSmall, {{"Accept", "image/avif,image/webp,image/apng,image/*,*/*;q=0.8"}}).media_type,
+            "image/png");
+  expect_problem(post(R"({"environment":{"background":{"type":"transparent"}}})", {{"Accept", "image/jpeg"}}),
+                 422);
   EXPECT_NE(header(post(kSmall, {{"Accept", "image/x-exr"}}), "ETag"), header(post(kSmall), "ETag"));
 }
 

@@ -1,8 +1,11 @@
 #include "tests/image/sample_files.hpp"
 #include "renderer/image/decode.hpp"
+#include "renderer/image/encode.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 namespace furnace {
 namespace {
@@ -67,6 +70,54 @@ TEST(JpegDecode, RefusesEndlessScans) {
   const Error error = sample::error_of([&] { decode_texture(Blob(bomb), ColorSpace::kSrgb, kLimits); });
   EXPECT_EQ(error.code, ErrorCode::kUnprocessable);
   EXPECT_THAT(error.message, testing::HasSubstr("scans"));
+}
+
+Image flat(Extent extent, const std::vector<std::uint8_t>& color) {
+  Image image = make_image(extent, static_cast<int>(color.size()), SampleType::kUint8, ColorSpace::kSrgb);
+  const auto samples = image.samples<std::uint8_t>();
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = color[i % color.size()];
+  return image;
+}
+
+TEST(JpegEncode, IsReadByLibjpeg) {
+  expect_flat(encode_jpeg(flat({17, 9}, {200, 100, 30}), 100, {}), {17, 9}, {200, 100, 30});
+  expect_flat(encode_jpeg(flat({1, 1}, {90}), 100, {}), {1, 1}, {90});
+}
+
+// Columns of one pixel, red and blue of one luma: halved chroma would mix them.
+TEST(JpegEncode, KeepsChromaWhole) {
+  Image stripes = flat({32, 16}, {200, 0, 0});
+  for (std::size_t i = 0; i < stripes.pixels.size(); i += 6) {
+    stripes.samples<std::uint8_t>()[i] = 0;
+    stripes.samples<std::uint8_t>()[i + 2] = 200;
+  }
+  const Image back = decode_texture(Blob(encode_jpeg(stripes, 95, {})), ColorSpace::kSrgb, kLimits);
+  for (std::size_t i = 0; i < back.pixels.size(); ++i) {
+    // Quality 95 quantises the highest frequency in steps of about ten.
+    ASSERT_NEAR(back.samples<std::uint8_t>()[i], stripes.samples<std::uint8_t>()[i], 25) << i;
+  }
+}
+
+TEST(JpegEncode, QualityIsSizeAndBytesAreTheSame) {
+  Image image = flat({64, 64}, {0, 0, 0});
+  const auto noise = sample::noise(image.pixels.size(), 4);
+  std::ranges::copy(noise, image.samples<std::uint8_t>().begin());
+  EXPECT_LT(encode_jpeg(image, 30, {}).size(), encode_jpeg(image, 90, {}).size());
+  EXPECT_EQ(encode_jpeg(image, 90, {}), encode_jpeg(image, 90, {}));
+}
+
+// A comment is the marker FF FE, two bytes of length that count themselves, and the text.
+TEST(JpegEncode, MetadataIsComments) {
+  const std::string file =
+      encode_jpeg(flat({8, 8}, {1, 2, 3}), 90, {{"Software", "F 1"}, {"furnace:request", "abc"}});
+  EXPECT_THAT(file, testing::HasSubstr(std::string("\xff\xfe\x00\x0fSoftware: F 1", 17)));
+  EXPECT_THAT(file, testing::HasSubstr(std::string("\xff\xfe\x00\x16"
+                                                   "furnace:request: abc",
+                                                   24)));
+}
+
+TEST(JpegEncodeDeathTest, RefusesWhatHasAlpha) {
+  EXPECT_DEATH(encode_jpeg(make_image({1, 1}, 4, SampleType::kUint8, ColorSpace::kSrgb), 90, {}), "channels");
 }
 
 }  // namespace

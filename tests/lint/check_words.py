@@ -12,7 +12,7 @@ HOST = re.compile(r"\bhttps?://((?:[A-Za-z0-9\-]+\.)+[A-Za-z]{2,})\b")
 # Hosts that a reader may be sent to, or that name a specification. Everything else needs a row.
 KNOWN_HOSTS = {
     "example.com", "example.org",
-    "json-schema.org", "www.apache.org", "www.w3.org",
+    "json-schema.org", "ns.adobe.com", "www.apache.org", "www.w3.org",
     "github.com", "gcc.gnu.org", "jcgt.org", "registry.khronos.org", "www.khronos.org", "www.rfc-editor.org",
 }
 # The licence's own text is not ours to edit.

@@ -69,7 +69,7 @@ Frame projected(const View& view, const Scene& scene) {
 }
 
 View orbit_view(const Scene& scene, const OrbitCamera& orbit, Extent picture) {
-  return make_view(CameraSpec{orbit, 0}, scene, picture);
+  return make_view(CameraSpec{orbit, {}, 0}, scene, picture);
 }
 
 // Float matrices: 2^-24 times coordinates of a few hundred half-frames leaves some 1e-5.
@@ -212,7 +212,7 @@ TEST(OrbitFraming, AVertexWithoutAFinitePlaceIsAnError) {
   for (const float bad : {std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
                           std::numeric_limits<float>::quiet_NaN()})
     for (const CameraSpec& camera :
-         {CameraSpec{OrbitCamera{}, 0}, CameraSpec{parallel, 0}, CameraSpec{look, 0}}) {
+         {CameraSpec{OrbitCamera{}, {}, 0}, CameraSpec{parallel, {}, 0}, CameraSpec{look, {}, 0}}) {
       try {
         make_view(camera, scene_of({{0, 0, 0}, {0, bad, 0}, {1, 1, 1}}), {64, 64});
         ADD_FAILURE() << bad;
@@ -236,7 +236,7 @@ TEST(OrbitOrthographic, TouchesTheFrameAndIsCentred) {
 TEST(LookAtView, ShowsTheTargetInTheMiddleAndClipsNothing) {
   const Scene scene = builtin_scene("cube");
   const View view =
-      make_view({LookAtCamera{{3, 2, 1}, {0.1f, 0.2f, 0.3f}, {0, 1, 0}, 0.8}, 0}, scene, {64, 32});
+      make_view({LookAtCamera{{3, 2, 1}, {0.1f, 0.2f, 0.3f}, {0, 1, 0}, 0.8}, {}, 0}, scene, {64, 32});
   EXPECT_EQ(view.eye, glm::vec3(3, 2, 1));
   const glm::vec4 clip = view.clip_from_view * view.view_from_world * glm::vec4(0.1f, 0.2f, 0.3f, 1);
   EXPECT_NEAR(clip.x / clip.w, 0, 1e-6);
@@ -248,14 +248,14 @@ TEST(LookAtView, ShowsTheTargetInTheMiddleAndClipsNothing) {
 
 TEST(LookAtView, FromWithinTheSceneTheNearPlaneIsSmallAgainstIt) {
   const Scene scene = builtin_scene("sphere");
-  const View view = make_view({LookAtCamera{{0, 0, 0}, {1, 0, 0}}, 0}, scene, {64, 64});
+  const View view = make_view({LookAtCamera{{0, 0, 0}, {1, 0, 0}}, {}, 0}, scene, {64, 64});
   const glm::vec4 near_clip = view.clip_from_view * glm::vec4(0, 0, -1e-3f, 1);
   EXPECT_LT(near_clip.z, near_clip.w);
 }
 
 TEST(LookAtView, EyeAtTheTargetIsAnError) {
   try {
-    make_view({LookAtCamera{{1, 1, 1}, {1, 1, 1}}, 0}, Scene{}, {64, 64});
+    make_view({LookAtCamera{{1, 1, 1}, {1, 1, 1}}, {}, 0}, Scene{}, {64, 64});
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code, ErrorCode::kUnprocessable);
@@ -283,7 +283,7 @@ class GltfView : public testing::Test {
     scene_.cameras = {front, plan};
   }
 
-  View view(GltfCamera camera, Extent picture) { return make_view({camera, 0}, scene_, picture); }
+  View view(GltfCamera camera, Extent picture) { return make_view({camera, {}, 0}, scene_, picture); }
 
   glm::vec3 project(const View& view, const glm::vec3& point) {
     const glm::vec4 clip = view.clip_from_view * view.view_from_world * glm::vec4(point, 1);

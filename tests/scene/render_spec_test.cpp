@@ -216,10 +216,23 @@ const std::vector<Mutation> kMutations = {
     {"glTF camera 1", [](RenderSpec& s) { s.camera.view = GltfCamera{1}; }},
     {"glTF camera by name", [](RenderSpec& s) { s.camera.view = GltfCamera{"front"}; }},
     {"exposure", [](RenderSpec& s) { s.camera.exposure_ev = 1; }},
+    {"EV100", [](RenderSpec& s) { s.camera.metering = PhysicalExposure{}; }},
+    {"EV100 of daylight", [](RenderSpec& s) { s.camera.metering = PhysicalExposure{15}; }},
+    {"automatic exposure", [](RenderSpec& s) { s.camera.metering = AutoExposure{}; }},
+    {"white balance", [](RenderSpec& s) { s.output.grade.white_balance_kelvin = 2856; }},
+    {"tint", [](RenderSpec& s) { s.output.grade.white_balance_tint = 10; }},
+    {"contrast", [](RenderSpec& s) { s.output.grade.contrast = 1.1; }},
+    {"saturation", [](RenderSpec& s) { s.output.grade.saturation = 1.1; }},
     {"width", [](RenderSpec& s) { s.output.width = 512; }},
     {"height", [](RenderSpec& s) { s.output.height = 512; }},
     {"format", [](RenderSpec& s) { s.output.format = OutputFormat::kExr; }},
     {"EXR type", [](RenderSpec& s) { s.output.exr_type = SampleType::kFloat32; }},
+    {"JPEG", [](RenderSpec& s) { s.output.format = OutputFormat::kJpeg; }},
+    {"WebP", [](RenderSpec& s) { s.output.format = OutputFormat::kWebp; }},
+    {"bit depth", [](RenderSpec& s) { s.output.bit_depth = 16; }},
+    {"EXR compression", [](RenderSpec& s) { s.output.exr_compression = ExrCompression::kZip; }},
+    {"compression quality", [](RenderSpec& s) { s.output.compression_quality = 80; }},
+    {"lossless", [](RenderSpec& s) { s.output.lossless = true; }},
     {"tone map", [](RenderSpec& s) { s.output.tone_map = ToneMap::kNone; }},
     {"samples", [](RenderSpec& s) { s.output.samples = 16; }},
     {"strict", [](RenderSpec& s) { s.strict = true; }},
@@ -233,6 +246,22 @@ TEST(SpecHash, EveryFieldMakesItsOwnDifference) {
     const auto [other, fresh] = seen.emplace(spec_hash(spec), mutation.field);
     EXPECT_TRUE(fresh) << '"' << mutation.field << "\" hashes like \"" << other->second << '"';
   }
+}
+
+TEST(FormatFault, NamesWhatAFormatCannotHold) {
+  RenderSpec spec;
+  spec.output.width = 16384;
+  for (const OutputFormat format : {OutputFormat::kPng, OutputFormat::kExr, OutputFormat::kJpeg}) {
+    spec.output.format = format;
+    EXPECT_EQ(format_fault(spec), "");
+  }
+  spec.output.format = OutputFormat::kWebp;
+  EXPECT_NE(format_fault(spec).find("16383"), std::string::npos);
+  spec.output.width = 16383;
+  spec.environment.background = TransparentBackground{};
+  EXPECT_EQ(format_fault(spec), "");
+  spec.output.format = OutputFormat::kJpeg;
+  EXPECT_NE(format_fault(spec).find("transparent"), std::string::npos);
 }
 
 TEST(SpecHash, EqualSpecsAreEqual) {

@@ -53,22 +53,6 @@ TEST_F(ShadersGlTest, SrgbTransferMatchesTheStandard) {
   }
 }
 
-TEST_F(ShadersGlTest, NeutralToneCurveKeepsBaseColours) {
-  const auto results =
-      run("lib/color.glsl", "result.rgb = tone_pbr_neutral(x.rgb);",
-          {{0.5f, 0.3f, 0.2f, 0}, {0.04f, 0.04f, 0.04f, 0}, {100, 100, 100, 0}, {50, 1, 1, 0}, {0, 0, 0, 0}});
-  // Below the shoulder: less the Fresnel offset of 0.04.
-  EXPECT_NEAR(results[0].r, 0.46, 1e-6);
-  EXPECT_NEAR(results[0].b, 0.16, 1e-6);
-  // In the toe: x - (x - 6.25 x^2) = 6.25 x^2.
-  EXPECT_NEAR(results[1].r, 6.25 * 0.04 * 0.04, 1e-6);
-  EXPECT_GT(results[2].r, 0.99);
-  EXPECT_LT(results[2].r, 1.0);
-  EXPECT_LT(results[3].r, 1.0);
-  EXPECT_GT(results[3].g, 0.1);  // a bright red desaturates
-  EXPECT_EQ(results[4].r, 0);
-}
-
 TEST_F(ShadersGlTest, GgxMatchesItsReferenceAndIsNormalised) {
   for (const double alpha : kAlphas) {
     // Integral of D cos over the hemisphere = 1; theta by a substitution that crowds the peak: tan(theta) = alpha t.
