@@ -81,7 +81,8 @@ TEST(ShaderLibrary, FeatureBitsAreTheListOfTheInterface) {
       {kFeatureSky, "FEATURE_SKY"},
       {kFeatureMagnified, "FEATURE_MAGNIFIED"},
       {kFeatureGroundProjection, "FEATURE_GROUND_PROJECTION"},
-      {kFeatureGroundShadow, "FEATURE_GROUND_SHADOW"}};
+      {kFeatureGroundShadow, "FEATURE_GROUND_SHADOW"},
+      {kFeatureGrade, "FEATURE_GRADE"}};
   ASSERT_EQ(names.size(), std::size(expected));
   for (std::size_t bit = 0; bit < names.size(); ++bit) {
     EXPECT_EQ(expected[bit].first, FeatureSet(1) << bit);
