@@ -121,6 +121,7 @@ Texts texts_of(const ContentHash& key, const StoredBake& bake) {
       {"furnace.bakeVersion", fmt::format("{}", kBakeVersion)},
       {"furnace.key", key.hex()},
       {"furnace.skyScale", fmt::format("{}", environment.sky.scale)},
+      {"furnace.mapScale", fmt::format("{}", environment.map.scale)},
       {"furnace.atlasScale", fmt::format("{}", atlas.scale)},
       {"furnace.levelRoughness", text_of(atlas.level_roughness)},
       {"furnace.levelTiles", text_of(numbers_of(atlas.level_tiles))},
@@ -172,7 +173,9 @@ void read_texts(const Texts& texts, const ContentHash& key, StoredBake& bake) {
   if (text("furnace.key") != key.hex()) fail_foreign("another bake's key");
   environment.key = key;
   environment.sky.key = key;
+  environment.map.key = map_key_of(key);
   environment.sky.scale = scale_of(texts, "furnace.skyScale");
+  environment.map.scale = scale_of(texts, "furnace.mapScale");
   atlas.scale = scale_of(texts, "furnace.atlasScale");
   atlas.level_roughness = numbers_of<double>(texts, "furnace.levelRoughness");
   atlas.level_tiles = tiles_of(texts, "furnace.levelTiles", atlas.texels.extent);
@@ -191,12 +194,12 @@ void read_texts(const Texts& texts, const ContentHash& key, StoredBake& bake) {
   }
 }
 
-std::string checksum_of(const Texts& texts, const Image& sky, const Image& atlas) {
+std::string checksum_of(const Texts& texts, const PreparedEnvironment& environment) {
   HashBuilder sum;
   for (const auto& [name, text] : texts) {
     if (name != kChecksum) sum.add(name).add(text);
   }
-  for (const Image* image : {&sky, &atlas}) {
+  for (const Image* image : {&environment.sky.texels, &environment.map.texels, &environment.atlas.texels}) {
     sum.add(std::int64_t(image->extent.width)).add(std::int64_t(image->extent.height));
     sum.add(std::span<const std::byte>(image->pixels));
   }
@@ -206,31 +209,38 @@ std::string checksum_of(const Texts& texts, const Image& sky, const Image& atlas
 }  // namespace
 
 std::string encode_bake(const ContentHash& key, const StoredBake& bake) {
-  const Image& sky = bake.environment.sky.texels;
-  const Image& atlas = bake.environment.atlas.texels;
+  const PreparedEnvironment& environment = bake.environment;
   Texts texts = texts_of(key, bake);
-  texts.emplace(kChecksum, checksum_of(texts, sky, atlas));
+  texts.emplace(kChecksum, checksum_of(texts, environment));
   std::vector<TextField> attributes;
   for (auto& [name, text] : texts) attributes.push_back({name, text});
-  return encode_exr_parts(std::vector<NamedImage>{{"sky", &sky}, {"atlas", &atlas}}, attributes);
+  std::vector<NamedImage> parts = {{"sky", &environment.sky.texels}, {"atlas", &environment.atlas.texels}};
+  if (environment.summary.suns_extracted) parts.push_back({"map", &environment.map.texels});
+  return encode_exr_parts(parts, attributes);
 }
 
 StoredBake decode_bake(const ContentHash& key, std::string_view file) {
   ExrParts parts = decode_exr_parts(std::as_bytes(std::span(file)), kLimits);
-  const auto sky = parts.images.find("sky"), atlas = parts.images.find("atlas");
-  if (parts.images.size() != 2 || sky == parts.images.end() || atlas == parts.images.end()) {
-    fail_foreign("its parts are not sky and atlas");
-  }
   StoredBake bake;
-  bake.environment.sky.texels = std::move(sky->second);
-  bake.environment.atlas.texels = std::move(atlas->second);
+  PreparedEnvironment& environment = bake.environment;
+  std::size_t known = 0;
+  const auto take = [&](const char* name, Image& texels) {
+    const auto found = parts.images.find(name);
+    if (found == parts.images.end()) return;
+    texels = std::move(found->second);
+    ++known;
+  };
+  take("sky", environment.sky.texels);
+  take("atlas", environment.atlas.texels);
+  take("map", environment.map.texels);
+  const auto absent = [](const Image& image) { return image.pixels.empty(); };
+  if (known != parts.images.size() || absent(environment.sky.texels) || absent(environment.atlas.texels))
+    fail_foreign("its parts are not sky, atlas and map");
   read_texts(parts.attributes, key, bake);
+  if (absent(environment.map.texels) == environment.summary.suns_extracted) fail_foreign("its map");
   const auto claimed = parts.attributes.find(kChecksum);
-  if (claimed == parts.attributes.end() ||
-      claimed->second !=
-          checksum_of(parts.attributes, bake.environment.sky.texels, bake.environment.atlas.texels)) {
+  if (claimed == parts.attributes.end() || claimed->second != checksum_of(parts.attributes, environment))
     fail_foreign("its checksum");
-  }
   return bake;
 }
 

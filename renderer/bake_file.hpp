@@ -1,5 +1,5 @@
-// One bake as the bytes of one OpenEXR file: the parts "sky" and "atlas" as half floats, every number and note as a text of
-// the header, a checksum over all of it.
+// One bake as the bytes of one OpenEXR file: the parts "sky", "atlas" and, where suns were taken out, "map" as half floats,
+// every number and note as a text of the header, a checksum over all of it.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace furnace {
 
-inline constexpr int kBakeFileLayout = 2;  // raised when a text is added or changes its meaning
+inline constexpr int kBakeFileLayout = 3;  // raised when a text is added or changes its meaning
 // A sky of 16384x8192 is one GiB of half floats.
 inline constexpr std::int64_t kLargestBakeFileBytes = 1LL << 30;
 

@@ -112,6 +112,7 @@ ComposedScene compose_scene(const SceneSpec& spec, const Scene* model) {
     out.scene.notes.push_back({"material-unused", "/scene/materials/" + name,
                                fmt::format("nothing in the scene has a material named \"{}\"", name)});
   }
+  out.bounds = world_bounds(out.scene);
   if (out.scene.instances.empty()) {
     out.scene.notes.push_back({"scene-empty", "/scene", "the scene draws nothing"});
   }

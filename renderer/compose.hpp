@@ -10,6 +10,7 @@ namespace furnace {
 
 struct ComposedScene {
   Scene scene;
+  Bounds bounds;                       // world_bounds(scene)
   std::vector<ContentHash> mesh_keys;  // of scene.meshes; equal for the same mesh in another composition
 
   std::size_t byte_size() const { return scene.byte_size() + mesh_keys.size() * sizeof(ContentHash); }

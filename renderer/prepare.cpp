@@ -117,6 +117,7 @@ PreparedEnvironment prepare_environment(Image radiance, bool extracts_suns, cons
   summary.suns = find_suns(radiance, deadline);
   summary.suns_extracted = extracts_suns && !summary.suns.empty();
   if (summary.suns_extracted) {
+    out.map = prepare_sky(radiance, map_key_of(key), pool);
     SunExtraction extraction = extract_suns(radiance, deadline);
     summary.suns = std::move(extraction.suns);
     radiance = std::move(extraction.residual);

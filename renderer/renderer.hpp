@@ -25,7 +25,7 @@ struct RendererConfig {
   std::string shader_dir;                             // empty: the shaders in the binary
   std::int64_t scene_cache_bytes = 256ll << 20;       // parsed scenes
   std::int64_t bake_cache_bytes = 512ll << 20;        // baked environments, CPU
-  std::int64_t background_cache_bytes = 128ll << 20;  // backgrounds of their own, CPU
+  std::int64_t background_cache_bytes = 512ll << 20;  // backgrounds of their own, CPU
   std::filesystem::path data_folder;                  // of the disk cache; empty: none
   std::int64_t disk_cache_bytes = 4096ll << 20;       // baked environments on disk
   std::int64_t gpu_cache_bytes = 1024ll << 20;  // meshes, textures, environments on the GPU, per context

@@ -193,21 +193,21 @@ void SceneStore::prepare_environment(const RenderSpec& spec, const Deadline& dea
   if (const auto* seen = std::get_if<EnvironmentBackground>(&wanted.background)) {
     scene.background_intensity = seen->intensity;
     if (!seen->map) scene.background_intensity *= scene.environment_intensity;
-    // What the suns left is for light only.
-    if (!seen->map && seen->blur_rad == 0 && !environment.summary.suns_extracted) {
-      scene.background = std::shared_ptr<const PreparedSky>(baked, &environment.sky);
+    if (!seen->map && seen->blur_rad == 0) {
+      scene.background = std::shared_ptr<const PreparedSky>(baked, &environment.seen());
     } else {
       scene.background =
           environments_.background(seen->map.value_or(wanted.map), seen->blur_rad, deadline, times);
     }
   }
-  if (wanted.ground) prepare_ground(spec, out);
+  if (wanted.ground) prepare_ground(spec, times, out);
 }
 
-void SceneStore::prepare_ground(const RenderSpec& spec, Preparation& out) {
+void SceneStore::prepare_ground(const RenderSpec& spec, StageTimes& times, Preparation& out) {
+  const Stopwatch watch(times.bake_ms);
   const GroundSpec& wanted = *spec.environment.ground;
   PreparedGround ground;
-  ground.bounds = world_bounds(out.composed->scene);
+  ground.bounds = out.scene.bounds;
   if (ground.bounds.empty()) ground.bounds = {glm::vec3(-0.5f), glm::vec3(0.5f)};  // as it is framed
   ground.level_m = wanted.level_m.value_or(double(ground.bounds.min.y));
   if (wanted.shadow) {
@@ -221,6 +221,7 @@ void SceneStore::prepare_ground(const RenderSpec& spec, Preparation& out) {
                                 .add(spec_hash(scene_only))
                                 .add(out.scene.environment->key)
                                 .add(rotation_rad)
+                                .add(out.scene.environment_intensity)  // against the scene's own lights
                                 .add(ground.level_m)
                                 .add(std::int64_t(lights))
                                 .finish();
@@ -228,6 +229,10 @@ void SceneStore::prepare_ground(const RenderSpec& spec, Preparation& out) {
     if (!resident_->contains(key)) {
       ground.light = std::make_shared<const std::vector<LightDirection>>(
           light_on_ground(out.scene, rotation_rad, lights));
+      for (const Light& light : out.scene.lights) {
+        if (light.kind == LightKind::kDirectional && !light.casts_shadow)
+          ground.free_irradiance += light.intensity * std::max(-light.direction.y, 0.0);
+      }
       const std::vector<Mesh>& meshes = out.composed->scene.meshes;
       ground.occluders.resize(meshes.size());
       constexpr double kSimplifyCostUs = 5'000;
@@ -248,6 +253,7 @@ Preparation SceneStore::prepare(const RenderSpec& spec, const Deadline& deadline
     out.notes = scene.notes;
     out.scene.materials = scene.materials;
     out.scene.instances = scene.instances;
+    out.scene.bounds = out.composed->bounds;
     prepare_meshes(out);
     check_deadline(deadline, "decode");
     prepare_textures(out.scene, scene, out.notes, times.decode_hit);

@@ -36,7 +36,7 @@ class SceneStore {
   void prepare_textures(PreparedScene& out, const Scene& scene, std::vector<Note>& notes, bool& hit);
   void prepare_environment(const RenderSpec& spec, const Deadline& deadline, StageTimes& times,
                            Preparation& out);
-  void prepare_ground(const RenderSpec& spec, Preparation& out);
+  void prepare_ground(const RenderSpec& spec, StageTimes& times, Preparation& out);
 
   const RendererConfig config_;
   WorkerPool& pool_;

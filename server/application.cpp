@@ -41,6 +41,7 @@ RendererConfig renderer_config(const Config& config) {
   out.shader_dir = config.shader_dir;
   out.scene_cache_bytes = config.scene_cache_bytes;
   out.bake_cache_bytes = config.bake_cache_bytes;
+  out.background_cache_bytes = config.background_cache_bytes;
   out.data_folder = config.data;
   out.disk_cache_bytes = config.disk_cache_bytes;
   out.gpu_cache_bytes = config.gpu_cache_bytes;

@@ -44,6 +44,7 @@ struct Config {
 
   std::int64_t scene_cache_bytes = 256ll << 20;
   std::int64_t bake_cache_bytes = 512ll << 20;
+  std::int64_t background_cache_bytes = 512ll << 20;
   std::int64_t map_cache_bytes = 256ll << 20;
   std::int64_t disk_cache_bytes = 4096ll << 20;
   std::int64_t environments_bytes = 512ll << 20;

@@ -92,6 +92,8 @@ constexpr std::array kSettings = {
            "parsed scenes kept in memory"),
     number("bake-cache", &Config::bake_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,
            "baked environments kept in memory"),
+    number("background-cache", &Config::background_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,
+           "backgrounds that are blurred, or of another environment, kept in memory"),
     number("map-cache", &Config::map_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,
            "maps of named environments kept in memory for download"),
     number("disk-cache", &Config::disk_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,

@@ -44,11 +44,12 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
       gl::Buffer light_uniform;
       if (!prepared.lights.empty()) {
         const LightPlan lights =
-            plan_lights(prepared.lights, scene.bounds, {tile.x, tile.y}, int(subframe), int(subframes));
+            plan_lights(prepared.lights, prepared.bounds, {tile.x, tile.y}, int(subframe), int(subframes));
         provide_shadows(context_, lights.side_px, std::max(lights.views, 1), *targets_);
         light_uniform = gl::create_buffer(context_, &lights.block, sizeof lights.block);
         glBindBufferBase(GL_UNIFORM_BUFFER, kLightBinding, light_uniform.id());
-        pass_shadow(pass, lights);
+        // A lone sub-frame's maps are the same for every tile.
+        if (subframes > 1 || &tile == &plan.tiles.front()) pass_shadow(pass, lights);
       }
       pass_visibility(pass);
       pass_veil(pass);

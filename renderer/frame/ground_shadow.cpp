@@ -35,9 +35,9 @@ double radical_inverse(std::uint32_t bits) {
 }
 
 // 1 over all the light, of each colour that there is.
-glm::dvec3 per_light(const std::vector<LightDirection>& lights) {
-  glm::dvec3 total(0);
-  for (const LightDirection& light : lights)
+glm::dvec3 per_light(const PreparedGround& ground) {
+  glm::dvec3 total = ground.free_irradiance;
+  for (const LightDirection& light : *ground.light)
     total += glm::dvec3(light.irradiance[0], light.irradiance[1], light.irradiance[2]);
   for (int c = 0; c < 3; ++c) total[c] = total[c] > 0 ? 1 / total[c] : 0;
   return total;
@@ -53,7 +53,7 @@ gpu::GroundBlock pack_ground(const PreparedGround& ground, const GroundRectangle
   block.level = float(ground.level_m);
   const std::size_t count = std::min<std::size_t>(ground.light->size() - first, gpu::GROUND_LIGHTS);
   block.light_count = gpu::uint(count);
-  const glm::dvec3 share = per_light(*ground.light);
+  const glm::dvec3 share = per_light(ground);
   for (std::size_t i = 0; i < count; ++i) {
     const LightDirection& light = (*ground.light)[first + i];
     const double least_opacity =

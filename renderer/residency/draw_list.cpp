@@ -133,12 +133,6 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
     draw.key = std::uint32_t(draw_blocks.size() + 1);
     draw_blocks.push_back(gpu::pack_draw(instance.world_from_model, draw.key, draw.mesh->vertex_rows));
     draw.mirrored = draw_blocks.back().handedness < 0;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Bounds& box = mesh.mesh->bounds;
-      const glm::vec4 at(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                         corner & 4 ? box.max.z : box.min.z, 1);
-      if (!box.empty()) out.bounds.add(glm::vec3(instance.world_from_model * at));
-    }
     const glm::vec3 centre = (mesh.mesh->bounds.min + mesh.mesh->bounds.max) * 0.5f;
     draw.distance = glm::distance(view.eye, glm::vec3(instance.world_from_model * glm::vec4(centre, 1)));
     if (material.alpha_mode == AlphaMode::kBlend) {

@@ -39,7 +39,6 @@ struct GpuScene {
   std::vector<Draw> blended;   // farthest first
   std::vector<GpuMaterial> materials;
   gl::Buffer draw_blocks, material_blocks;
-  Bounds bounds;  // of all draws, world: of their meshes' boxes
   GLintptr draw_stride = 0, material_stride = 0;
   const GpuEnvironment* environment = nullptr;
   const GpuTexture* sky = nullptr;         // the environment itself

@@ -22,7 +22,8 @@ using uint = std::uint32_t;
 #include "shaders/interface/material_block.glsl"
 
 static_assert(sizeof(DrawBlock) % 16 == 0 && sizeof(FrameBlock) % 16 == 0 &&
-              sizeof(MaterialBlock) % 16 == 0 && sizeof(GroundBlock) % 16 == 0);
+              sizeof(MaterialBlock) % 16 == 0 && sizeof(GroundBlock) % 16 == 0 &&
+              sizeof(LightBlock) % 16 == 0);
 
 // Texture slots in the order of MaterialBlock::uv_rows and of the shaders' bindings.
 enum Slot { kBaseColor, kMetallicRoughness, kNormal, kOcclusion, kEmissive, kSlotCount };

@@ -53,22 +53,31 @@ struct PreparedSky {
   std::size_t byte_size() const { return texels.byte_size(); }
 };
 
+// Of PreparedEnvironment::map, by that of its environment.
+inline ContentHash map_key_of(const ContentHash& environment) {
+  return HashBuilder().add("map").add(environment).finish();
+}
+
 // One environment in the shape the GPU takes.
 struct PreparedEnvironment {
   ContentHash key;
-  PreparedSky sky;  // the environment itself
+  PreparedSky sky;  // what lights, unblurred
+  PreparedSky map;  // the environment as it is, where suns were taken out of `sky`; else empty
   OctahedralAtlas atlas;
   EnvironmentSummary summary;
 
-  std::size_t byte_size() const { return sky.byte_size() + atlas.texels.byte_size(); }
+  // What a camera sees of it.
+  const PreparedSky& seen() const { return summary.suns_extracted ? map : sky; }
+  std::size_t byte_size() const { return sky.byte_size() + map.byte_size() + atlas.texels.byte_size(); }
 };
 
 struct PreparedGround {
   double level_m = 0;  // world y
-  Bounds bounds;       // of the scene, world
+  Bounds bounds;       // of the scene, world; a unit cube where it draws nothing
   // Of the scene, its light and the plane; none where no shadow is asked for.
   std::optional<ContentHash> shadow_key;
-  // What would light the plane without the scene, in world space. Null when the shadow was resident on the GPU a moment ago.
+  glm::dvec3 free_irradiance{0};  // of lights that cast no shadow, RGB
+  // What else would light the plane without the scene, in world space. Null when the shadow was resident on the GPU a moment ago.
   std::shared_ptr<const std::vector<LightDirection>> light;
   // With `light`: of every mesh of triangles, what casts its shadow where it is opaque (scene/occluder.hpp).
   std::vector<std::vector<std::uint32_t>> occluders;
@@ -79,6 +88,7 @@ struct PreparedScene {
   std::vector<Material> materials;  // TextureSlot::image is an index into `textures`
   std::vector<PreparedTexture> textures;
   std::vector<Instance> instances;
+  Bounds bounds;  // of every vertex, world; empty when nothing is drawn
   std::shared_ptr<const PreparedEnvironment> environment;
   std::shared_ptr<const PreparedSky> background;  // null where no environment is seen
   std::vector<Light> lights;  // at most gpu::MOST_LIGHTS; the environment's intensity is in its suns

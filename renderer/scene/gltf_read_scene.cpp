@@ -159,12 +159,13 @@ std::optional<Light> read_light(const JsonObject& json) {
     return std::nullopt;
   }
   const double intensity = json.number("intensity", 1);
-  if (!(intensity >= 0)) json.refuse("intensity", "must not be negative");
+  constexpr double kBrightest = 1e12;  // lux or candela, of each colour: beyond, pictures would overflow
+  if (!(intensity >= 0 && intensity <= kBrightest)) json.refuse("intensity", "must be 0 to 1e12");
   light.intensity = glm::dvec3(intensity);
   if (const auto color = json.vector<3>("color")) {
     for (int c = 0; c < 3; ++c) {
       if (!((*color)[std::size_t(c)] >= 0)) json.refuse("color", "must not be negative");
-      light.intensity[c] *= (*color)[std::size_t(c)];
+      light.intensity[c] = std::min(light.intensity[c] * (*color)[std::size_t(c)], kBrightest);
     }
   }
   if (json.has("range")) light.range_m = positive(json, "range");

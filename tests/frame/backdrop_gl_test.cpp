@@ -177,6 +177,23 @@ TEST_F(GroundGlTest, HalfTransparentSurfacesCastHalf) {
   EXPECT_NEAR(alpha_in_the_middle(render(spec)), 0.5 * plate_factor(0.5, kHeight), 1e-2);
 }
 
+// A light that casts no shadow still reaches the ground; one of the scene counts against the environment's intensity, whatever
+// was drawn before.
+TEST_F(GroundGlTest, OtherLightsThinTheShadow) {
+  RenderSpec spec = plate_over_ground();
+  Light free;
+  free.kind = LightKind::kDirectional;
+  free.intensity = glm::dvec3(kPi);  // as much as the sky
+  free.casts_shadow = false;
+  spec.scene.lights = {free};
+  const double factor = plate_factor(0.5, kHeight);
+  EXPECT_NEAR(alpha_in_the_middle(render(spec)), factor / 2, 1e-2);
+  spec.environment.intensity = 3;
+  EXPECT_NEAR(alpha_in_the_middle(render(spec)), factor * 3 / 4, 2e-2);
+  spec.scene.lights[0].casts_shadow = true;  // straight down onto the plate
+  EXPECT_NEAR(alpha_in_the_middle(render(spec)), 1 - (1 - factor) * 3 / 4, 2e-2);
+}
+
 TEST_F(GroundGlTest, IsNotSeenFromBelow) {
   RenderSpec spec = plate_over_ground();
   spec.camera.view = LookAtCamera{{3, -1, 0}, {0, kLevel, 0}, {0, 1, 0}, 0.1};
