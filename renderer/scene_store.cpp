@@ -15,8 +15,8 @@
 namespace furnace {
 namespace {
 
-ColorSpace slot_color_space(gpu::Slot slot) {
-  return slot == gpu::kBaseColor || slot == gpu::kEmissive ? ColorSpace::kSrgb : ColorSpace::kNonColor;
+ColorSpace texture_color_space(const Material& material, std::size_t use) {
+  return is_color_texture(material, TextureUse(use)) ? ColorSpace::kSrgb : ColorSpace::kNonColor;
 }
 
 glm::dvec3 vector_of(const std::array<double, 3>& v) {
@@ -121,12 +121,12 @@ void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, std::v
   std::vector<Wanted> wanted;
   std::map<std::pair<int, ColorSpace>, int> index_of;
   for (Material& material : out.materials) {
-    for (int i = 0; i < gpu::kSlotCount; ++i) {
-      auto& slot = material.*gpu::kMaterialSlots[i];
+    for (std::size_t use = 0; use < kTextureUses; ++use) {
+      auto& slot = material.textures[use];
       if (!slot) continue;
-      const auto [entry, fresh] =
-          index_of.try_emplace({slot->image, slot_color_space(gpu::Slot(i))}, int(wanted.size()));
-      if (fresh) wanted.push_back({&scene.images[std::size_t(slot->image)], slot_color_space(gpu::Slot(i))});
+      const ColorSpace color_space = texture_color_space(material, use);
+      const auto [entry, fresh] = index_of.try_emplace({slot->image, color_space}, int(wanted.size()));
+      if (fresh) wanted.push_back({&scene.images[std::size_t(slot->image)], color_space});
       slot->image = entry->second;
     }
   }

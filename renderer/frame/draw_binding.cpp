@@ -66,8 +66,8 @@ void bind_draw(const GpuScene& scene, const Draw& draw) {
                     sizeof(gpu::DrawBlock));
   glBindBufferRange(GL_UNIFORM_BUFFER, kMaterialBinding, scene.material_blocks.id(),
                     draw.material * scene.material_stride, sizeof(gpu::MaterialBlock));
-  glBindTextures(0, gpu::kSlotCount, material.textures.data());
-  glBindSamplers(0, gpu::kSlotCount, material.samplers.data());
+  glBindTextures(0, gpu::kCoreTextures, material.textures.data());
+  glBindSamplers(0, gpu::kCoreTextures, material.samplers.data());
 }
 
 void bind_program(const PassContext& pass, const char* vertex, const char* fragment,

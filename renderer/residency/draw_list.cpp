@@ -31,15 +31,17 @@ gl::FeatureSet material_features(const Material& material, const GpuTexture* rou
   gl::FeatureSet features = 0;
   if (material.alpha_mode == AlphaMode::kMask) features |= gl::kFeatureAlphaMask;
   if (material.alpha_mode == AlphaMode::kBlend) features |= gl::kFeatureAlphaBlend;
-  if (material.base_color_texture || material.metallic_roughness_texture || material.occlusion_texture) {
+  if (material.texture(TextureUse::kBaseColor) || material.texture(TextureUse::kMetallicRoughness) ||
+      material.texture(TextureUse::kOcclusion)) {
     features |= gl::kFeatureMaterialMaps;
   }
-  if (material.occlusion_texture && material.occlusion_texture == material.metallic_roughness_texture) {
+  if (material.texture(TextureUse::kOcclusion) &&
+      material.texture(TextureUse::kOcclusion) == material.texture(TextureUse::kMetallicRoughness)) {
     features |= gl::kFeaturePackedOcclusion;
   }
-  if (material.emissive_texture) features |= gl::kFeatureEmissiveMap;
+  if (material.texture(TextureUse::kEmissive)) features |= gl::kFeatureEmissiveMap;
   if (material.unlit) return features | gl::kFeatureUnlit;
-  if (material.normal_texture) features |= gl::kFeatureNormalMap;
+  if (material.texture(TextureUse::kNormal)) features |= gl::kFeatureNormalMap;
   const float lowest =
       material.perceptual_roughness * (roughness_map != nullptr ? roughness_map->lowest_green : 1);
   if (double(lowest) < first_level_roughness) features |= gl::kFeatureSharpReflection;
@@ -50,8 +52,7 @@ gl::FeatureSet material_features(const Material& material, const GpuTexture* rou
 std::optional<Extent> common_map_size(const Material& material,
                                       const std::vector<const GpuTexture*>& textures) {
   std::optional<Extent> size;
-  for (const auto slot : gpu::kMaterialSlots) {
-    const std::optional<TextureSlot>& map = material.*slot;
+  for (const auto& map : material.textures) {
     if (!map) continue;
     const Extent extent = textures[std::size_t(map->image)]->extent;
     if (map->uv_set != 0 || map->transform != UvTransform{} || (size && *size != extent)) return std::nullopt;
@@ -81,14 +82,13 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
   std::vector<gpu::MaterialBlock> material_blocks;
   for (const Material& material : scene.materials) {
     GpuMaterial gpu_material;
-    for (int i = 0; i < gpu::kSlotCount; ++i) {
-      const auto& slot = material.*gpu::kMaterialSlots[i];
-      gpu_material.textures[std::size_t(i)] =
+    for (std::size_t use = 0; use < kTextureUses; ++use) {
+      const auto& slot = material.textures[use];
+      gpu_material.textures[use] =
           slot ? textures[std::size_t(slot->image)]->texture.id() : residency.neutral_texture();
-      gpu_material.samplers[std::size_t(i)] =
-          residency.samplers().get(context, slot ? slot->sampler : SamplerDesc{});
+      gpu_material.samplers[use] = residency.samplers().get(context, slot ? slot->sampler : SamplerDesc{});
     }
-    const auto& roughness_slot = material.metallic_roughness_texture;
+    const auto& roughness_slot = material.texture(TextureUse::kMetallicRoughness);
     const GpuTexture* roughness_map = roughness_slot ? textures[std::size_t(roughness_slot->image)] : nullptr;
     gpu_material.features =
         material_features(material, roughness_map, scene.environment->atlas.level_roughness.front());

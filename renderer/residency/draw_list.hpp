@@ -12,8 +12,8 @@
 namespace furnace {
 
 struct GpuMaterial {
-  std::array<GLuint, gpu::kSlotCount> textures{};
-  std::array<GLuint, gpu::kSlotCount> samplers{};
+  std::array<GLuint, kTextureUses> textures{};
+  std::array<GLuint, kTextureUses> samplers{};
   gl::FeatureSet features = 0;
   AlphaMode alpha_mode = AlphaMode::kOpaque;
   bool double_sided = false;

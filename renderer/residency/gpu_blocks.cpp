@@ -13,6 +13,18 @@ void pack_uv_rows(const UvTransform& t, vec4* rows) {
   rows[1] = vec4(-s * t.scale.x, c * t.scale.y, t.offset.y, 0);
 }
 
+// Of as many uses from `first` on as there are rows for. Returns the bits of those that read UV set 1.
+template <std::size_t N>
+uint pack_uv(const Material& material, std::size_t first, vec4 (&rows)[N]) {
+  uint uv_sets = 0;
+  for (std::size_t i = 0; i < N / 2; ++i) {
+    const auto& slot = material.textures[first + i];
+    pack_uv_rows(slot ? slot->transform : UvTransform{}, &rows[2 * i]);
+    if (slot && slot->uv_set == 1) uv_sets |= 1u << i;
+  }
+  return uv_sets;
+}
+
 }  // namespace
 
 MaterialBlock pack_material(const Material& material) {
@@ -26,11 +38,31 @@ MaterialBlock pack_material(const Material& material) {
   block.occlusion_strength = material.occlusion_strength;
   block.alpha_cutoff = material.alpha_cutoff;
   block.double_sided = material.double_sided ? 1 : 0;
-  for (int i = 0; i < kSlotCount; ++i) {
-    const auto& slot = material.*kMaterialSlots[i];
-    pack_uv_rows(slot ? slot->transform : UvTransform{}, &block.uv_rows[2 * i]);
-    if (slot && slot->uv_set == 1) block.uv_sets |= 1u << i;
-  }
+  block.uv_sets = pack_uv(material, 0, block.uv_rows);
+  return block;
+}
+
+LayerBlock pack_layers(const Material& material) {
+  LayerBlock block{};
+  // KHR_materials_ior: 0 stands for a surface that reflects everything.
+  const float r = material.ior > 0 ? (material.ior - 1) / (material.ior + 1) : 1;
+  block.specular = vec4(r * r * material.specular_color, material.specular);
+  block.clearcoat =
+      vec4(material.clearcoat, material.clearcoat_perceptual_roughness, material.clearcoat_normal_scale, 0);
+  block.sheen = vec4(material.sheen_color, material.sheen_perceptual_roughness);
+  block.anisotropy = vec4(material.anisotropy, std::cos(material.anisotropy_rotation_rad),
+                          std::sin(material.anisotropy_rotation_rad), 0);
+  block.iridescence = vec4(material.iridescence, material.iridescence_ior,
+                           material.iridescence_thickness_min_nm, material.iridescence_thickness_max_nm);
+  block.transmission = vec4(material.transmission, material.ior > 0 ? material.ior : 1, material.thickness_m,
+                            material.dispersion);
+  // Beer and Lambert: attenuation_color is left after attenuation_distance_m. Black is left nowhere.
+  const glm::vec3 left = glm::max(material.attenuation_color, glm::vec3(1e-6f));
+  block.absorption = vec4(-glm::log(left) / material.attenuation_distance_m, 0);
+  block.diffuse_transmission = vec4(material.diffuse_transmission_color, material.diffuse_transmission);
+  block.glossy = vec4(material.glossy_specular, material.glossiness);
+  block.is_phong = material.model == ShadingModel::kPhong ? 1 : 0;
+  block.uv_sets = pack_uv(material, kCoreTextures, block.uv_rows);
   return block;
 }
 

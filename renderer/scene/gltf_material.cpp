@@ -29,11 +29,11 @@ int GltfMaterials::scene_material(std::optional<int> material) {
 Material GltfMaterials::convert(const GltfMaterial& material) {
   for (const Note& note : material.notes) notes_.add(note.code, note.pointer, note.message);
   Material result = material.values;
-  result.base_color_texture = convert(material.base_color);
-  result.metallic_roughness_texture = convert(material.metallic_roughness);
-  result.normal_texture = convert(material.normal);
-  result.occlusion_texture = convert(material.occlusion);
-  result.emissive_texture = convert(material.emissive);
+  result.texture(TextureUse::kBaseColor) = convert(material.base_color);
+  result.texture(TextureUse::kMetallicRoughness) = convert(material.metallic_roughness);
+  result.texture(TextureUse::kNormal) = convert(material.normal);
+  result.texture(TextureUse::kOcclusion) = convert(material.occlusion);
+  result.texture(TextureUse::kEmissive) = convert(material.emissive);
   return result;
 }
 

@@ -109,11 +109,9 @@ void complete_normals(Mesh& mesh, const std::string& pointer, GltfNotes& notes) 
 }
 
 void complete_uv_sets(Mesh& mesh, const Material& material, const std::string& pointer, GltfNotes& notes) {
-  for (const auto* slot :
-       {&material.base_color_texture, &material.metallic_roughness_texture, &material.normal_texture,
-        &material.occlusion_texture, &material.emissive_texture}) {
-    if (!*slot) continue;
-    const auto set = static_cast<std::size_t>((*slot)->uv_set);
+  for (const auto& slot : material.textures) {
+    if (!slot) continue;
+    const auto set = static_cast<std::size_t>(slot->uv_set);
     if (!mesh.uvs[set].empty()) continue;
     mesh.uvs[set].assign(mesh.positions.size(), glm::vec2(0));
     notes.add("uv-set-missing", pointer + "/attributes",
@@ -123,8 +121,10 @@ void complete_uv_sets(Mesh& mesh, const Material& material, const std::string& p
 
 void complete_tangents(Mesh& mesh, const Material& material, const std::string& pointer, GltfNotes& notes) {
   if (!mesh.tangents.empty()) mend_tangents(mesh, pointer, notes);
-  if (!material.normal_texture || !mesh.tangents.empty() || mesh.topology != Topology::kTriangles) return;
-  generate_tangents(mesh, material.normal_texture->uv_set);
+  if (!material.texture(TextureUse::kNormal) || !mesh.tangents.empty() ||
+      mesh.topology != Topology::kTriangles)
+    return;
+  generate_tangents(mesh, material.texture(TextureUse::kNormal)->uv_set);
   notes.add("tangents-generated", pointer + "/attributes",
             "has a normal map but no TANGENT; MikkTSpace tangents were made");
 }

@@ -115,6 +115,21 @@ Material default_material() {
   return {};
 }
 
+bool is_color_texture(const Material& material, TextureUse use) {
+  switch (use) {
+    case TextureUse::kBaseColor:
+    case TextureUse::kEmissive:
+    case TextureUse::kSpecularColor:
+    case TextureUse::kSheenColor:
+    case TextureUse::kDiffuseTransmissionColor:
+      return true;
+    case TextureUse::kMetallicRoughness:
+      return material.specular_glossiness;
+    default:
+      return false;
+  }
+}
+
 std::optional<Material> material_preset(std::string_view name) {
   const auto preset =
       std::find_if(kPresets.begin(), kPresets.end(), [&](const Preset& p) { return p.name == name; });

@@ -40,18 +40,18 @@ TEST(Packing, OpaqueMaterialsHaveNoAlpha) {
 
 TEST(Packing, UvSetsAreBitsBySlot) {
   Material material;
-  material.normal_texture = TextureSlot{};
-  material.normal_texture->uv_set = 1;
-  material.emissive_texture = TextureSlot{};
-  material.emissive_texture->uv_set = 1;
-  material.base_color_texture = TextureSlot{};
+  material.texture(TextureUse::kNormal) = TextureSlot{};
+  material.texture(TextureUse::kNormal)->uv_set = 1;
+  material.texture(TextureUse::kEmissive) = TextureSlot{};
+  material.texture(TextureUse::kEmissive)->uv_set = 1;
+  material.texture(TextureUse::kBaseColor) = TextureSlot{};
   EXPECT_EQ(pack_material(material).uv_sets, (1u << kNormal) | (1u << kEmissive));
 }
 
 glm::vec2 transformed(const UvTransform& transform, glm::vec2 uv) {
   Material material;
-  material.occlusion_texture = TextureSlot{};
-  material.occlusion_texture->transform = transform;
+  material.texture(TextureUse::kOcclusion) = TextureSlot{};
+  material.texture(TextureUse::kOcclusion)->transform = transform;
   const MaterialBlock block = pack_material(material);
   const glm::vec3 homogeneous(uv, 1);
   return {glm::dot(glm::vec3(block.uv_rows[2 * kOcclusion]), homogeneous),

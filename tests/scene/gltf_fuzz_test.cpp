@@ -64,7 +64,7 @@ void expect_invariants(const Scene& scene) {
     EXPECT_LT(static_cast<std::size_t>(instance.material), scene.materials.size());
     const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
     const bool mapped =
-        scene.materials[static_cast<std::size_t>(instance.material)].normal_texture.has_value();
+        scene.materials[static_cast<std::size_t>(instance.material)].texture(TextureUse::kNormal).has_value();
     const bool triangles = mesh.topology == Topology::kTriangles;
     EXPECT_FALSE(mesh.indices.empty());
     for (const std::uint32_t index : mesh.indices) EXPECT_LT(index, mesh.positions.size());

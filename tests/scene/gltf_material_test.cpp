@@ -49,16 +49,16 @@ TEST(GltfMaterial, MaterialsAreReadFieldByField) {
   EXPECT_EQ(material.alpha_cutoff, 0.25f);
   EXPECT_TRUE(material.double_sided);
   EXPECT_TRUE(material.unlit);
-  ASSERT_TRUE(material.base_color_texture);
-  EXPECT_EQ(material.base_color_texture->uv_set, 1);  // KHR_texture_transform's own
-  EXPECT_EQ(material.base_color_texture->transform, (UvTransform{{0.1f, 0.2f}, 0.3f, {4, 5}}));
-  EXPECT_EQ(material.base_color_texture->sampler,
+  ASSERT_TRUE(material.texture(TextureUse::kBaseColor));
+  EXPECT_EQ(material.texture(TextureUse::kBaseColor)->uv_set, 1);  // KHR_texture_transform's own
+  EXPECT_EQ(material.texture(TextureUse::kBaseColor)->transform, (UvTransform{{0.1f, 0.2f}, 0.3f, {4, 5}}));
+  EXPECT_EQ(material.texture(TextureUse::kBaseColor)->sampler,
             (SamplerDesc{Wrap::kClampToEdge, Wrap::kMirroredRepeat, Filter::kNearest, Filter::kLinear,
                          MipFilter::kNearest}));
-  EXPECT_EQ(material.metallic_roughness_texture->uv_set, 1);
-  EXPECT_EQ(material.occlusion_texture->uv_set, 0);
-  EXPECT_TRUE(material.emissive_texture);
-  EXPECT_FALSE(material.normal_texture);
+  EXPECT_EQ(material.texture(TextureUse::kMetallicRoughness)->uv_set, 1);
+  EXPECT_EQ(material.texture(TextureUse::kOcclusion)->uv_set, 0);
+  EXPECT_TRUE(material.texture(TextureUse::kEmissive));
+  EXPECT_FALSE(material.texture(TextureUse::kNormal));
   ASSERT_EQ(scene.images.size(), 1u);  // one image, four slots
   EXPECT_EQ(scene.images[0].pointer, "/images/0");
   EXPECT_EQ(scene.images[0].encoded.text(), kPngStart);
@@ -98,8 +98,8 @@ TEST(GltfMaterial, TexturesThatCannotBeUsedBecomeNotes) {
                                 {"emissiveTexture", {{"index", empty}}},
                                 {"normalTexture", {{"index", missing}, {"texCoord", 2}}}});
   const Scene scene = builder.import();
-  EXPECT_FALSE(scene.materials[0].base_color_texture);
-  EXPECT_FALSE(scene.materials[0].normal_texture);
+  EXPECT_FALSE(scene.materials[0].texture(TextureUse::kBaseColor));
+  EXPECT_FALSE(scene.materials[0].texture(TextureUse::kNormal));
   EXPECT_EQ(find_note(scene, "image-missing")->pointer, "/images/0/uri");
   EXPECT_EQ(find_note(scene, "image-unreadable")->pointer, "/images/1");
   EXPECT_EQ(find_note(scene, "texture-without-image")->pointer, "/textures/2");

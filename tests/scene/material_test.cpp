@@ -19,7 +19,7 @@ TEST(DefaultMaterial, HasTheDefaultsOfGltf) {
   EXPECT_EQ(material.alpha_mode, AlphaMode::kOpaque);
   EXPECT_EQ(material.alpha_cutoff, 0.5f);
   EXPECT_FALSE(material.double_sided);
-  EXPECT_FALSE(material.base_color_texture.has_value());
+  EXPECT_FALSE(material.texture(TextureUse::kBaseColor).has_value());
 }
 
 TEST(MaterialPreset, EveryNameIsKebabCaseUniqueAndGivesAMaterialOfThatName) {
