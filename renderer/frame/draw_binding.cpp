@@ -3,15 +3,15 @@
 namespace furnace {
 namespace {
 
-constexpr GLuint kDrawBinding = 1, kMaterialBinding = 2;
+constexpr GLuint kDrawBinding = 1, kMaterialBinding = 2, kLayerBinding = 5;
 constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kDfgUnit = 7, kGroundUnit = 13, kShadowUnit = 14,
-                 kShadowDepthUnit = 15;
+                 kShadowDepthUnit = 15, kLayerUnit = 16, kBackdropUnit = 30, kBehindUnit = 31;
 constexpr GLuint kColorLocation = 5;
 
 constexpr SamplerDesc kSkySampler{Wrap::kRepeat, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
                                   MipFilter::kLinear};
-constexpr SamplerDesc kGroundSampler{Wrap::kClampToEdge, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
-                                     MipFilter::kLinear};
+constexpr SamplerDesc kClampedSampler{Wrap::kClampToEdge, Wrap::kClampToEdge, Filter::kLinear,
+                                      Filter::kLinear, MipFilter::kLinear};
 constexpr SamplerDesc kTableSampler{Wrap::kClampToEdge, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
                                     MipFilter::kNone};
 // Integer textures are complete only so.
@@ -57,7 +57,24 @@ void bind_shadows(const PassContext& pass) {
 
 void bind_ground(const PassContext& pass) {
   glBindTextureUnit(kGroundUnit, pass.scene.ground_shadow->texture.id());
-  glBindSampler(kGroundUnit, pass.residency.samplers().get(pass.context, kGroundSampler));
+  glBindSampler(kGroundUnit, pass.residency.samplers().get(pass.context, kClampedSampler));
+}
+
+void bind_backdrop(const PassContext& pass) {
+  if (!pass.targets.backdrop || pass.is_backdrop) return;
+  gl::SamplerCache& samplers = pass.residency.samplers();
+  glBindTextureUnit(kBackdropUnit, pass.targets.backdrop->color.id());
+  glBindSampler(kBackdropUnit, samplers.get(pass.context, kClampedSampler));
+  glBindTextureUnit(kBehindUnit, pass.scene.background != nullptr ? pass.scene.background->texture.id()
+                                                                  : pass.residency.neutral_texture());
+  glBindSampler(kBehindUnit, samplers.get(pass.context, kSkySampler));
+}
+
+gl::FeatureSet caster_features(const Draw& draw) {
+  constexpr gl::FeatureSet kOpacity = gl::kFeatureAlphaMask | gl::kFeatureAlphaBlend;
+  gl::FeatureSet features = draw.features & kOpacity;
+  if (draw.seen_through()) features |= gl::kFeatureAlphaBlend;
+  return features == 0 ? 0 : features | (draw.features & gl::kFeatureMaterialMaps);
 }
 
 void bind_draw(const GpuScene& scene, const Draw& draw) {
@@ -68,6 +85,11 @@ void bind_draw(const GpuScene& scene, const Draw& draw) {
                     draw.material * scene.material_stride, sizeof(gpu::MaterialBlock));
   glBindTextures(0, gpu::kCoreTextures, material.textures.data());
   glBindSamplers(0, gpu::kCoreTextures, material.samplers.data());
+  if (!material.layered) return;
+  glBindBufferRange(GL_UNIFORM_BUFFER, kLayerBinding, scene.layer_blocks.id(),
+                    draw.material * scene.layer_stride, sizeof(gpu::LayerBlock));
+  glBindTextures(kLayerUnit, gpu::kLayerTextures, material.textures.data() + gpu::kCoreTextures);
+  glBindSamplers(kLayerUnit, gpu::kLayerTextures, material.samplers.data() + gpu::kCoreTextures);
 }
 
 void bind_program(const PassContext& pass, const char* vertex, const char* fragment,

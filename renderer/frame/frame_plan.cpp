@@ -9,11 +9,12 @@
 namespace furnace {
 namespace {
 
-std::vector<Tile> cut_tiles(Extent picture, int side) {
+std::vector<Tile> cut_tiles(Extent picture, Extent largest) {
   std::vector<Tile> tiles;
-  for (int y = 0; y < picture.height; y += side) {
-    for (int x = 0; x < picture.width; x += side) {
-      tiles.push_back({x, y, {std::min(side, picture.width - x), std::min(side, picture.height - y)}});
+  for (int y = 0; y < picture.height; y += largest.height) {
+    for (int x = 0; x < picture.width; x += largest.width) {
+      tiles.push_back(
+          {x, y, {std::min(largest.width, picture.width - x), std::min(largest.height, picture.height - y)}});
     }
   }
   return tiles;
@@ -49,11 +50,20 @@ glm::vec2 r2_offset(int i) {
   return {float(x - std::floor(x) - 0.5), float(y - std::floor(y) - 0.5)};
 }
 
+FramePlan plan_backdrop(const FramePlan& plan, int max_side_px) {
+  FramePlan behind = plan;
+  const double scale = std::min(1.0, double(max_side_px) / std::max(plan.picture.width, plan.picture.height));
+  const auto scaled = [&](int side) { return std::max(1, int(std::lround(side * scale))); };
+  behind.picture = {scaled(plan.picture.width), scaled(plan.picture.height)};
+  behind.tiles = cut_tiles(behind.picture, plan.tile_size);
+  return behind;
+}
+
 FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev) {
   FramePlan plan;
   plan.picture = {spec.output.width, spec.output.height};
-  plan.tiles = cut_tiles(plan.picture, max_tile_px);
   plan.tile_size = {std::min(max_tile_px, plan.picture.width), std::min(max_tile_px, plan.picture.height)};
+  plan.tiles = cut_tiles(plan.picture, plan.tile_size);
   for (int i = 0; i < spec.output.samples; ++i) plan.jitter_px.push_back(r2_offset(i));
 
   plan.exposure_ev = exposure_ev(spec.camera, auto_ev);

@@ -21,44 +21,68 @@ double ms_since(Clock::time_point start) {
 FrameRenderer::FrameRenderer(gl::Context& context, gl::ProgramCache& programs)
     : context_(context), programs_(programs), empty_vertex_array_(gl::create_vertex_array(context)) {}
 
+// One sub-frame of one tile, accumulated where there are several or it is part of the backdrop.
+void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, const Tile& tile,
+                                  std::size_t subframe, bool is_backdrop) {
+  check_deadline(job.deadline, "draw");
+  const std::size_t subframes = plan.jitter_px.size();
+  const GroundRectangle* ground_map =
+      job.scene.ground_shadow != nullptr ? &job.scene.ground_shadow->rectangle : nullptr;
+  const gpu::FrameBlock frame = pack_frame(plan, job.view, job.prepared, ground_map, tile, subframe);
+  const gl::Buffer uniform = gl::create_buffer(context_, &frame, sizeof frame);
+  glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniform.id());
+  const PassContext pass{context_,  programs_, job.residency,       plan,  *targets_,
+                         job.scene, tile,      empty_vertex_array_, frame, is_backdrop};
+  gl::Buffer light_uniform;
+  if (!job.prepared.lights.empty()) {
+    const LightPlan lights = plan_lights(job.prepared.lights, job.prepared.bounds, {tile.x, tile.y},
+                                         int(subframe), int(subframes));
+    provide_shadows(context_, lights.side_px, std::max(lights.views, 1), *targets_);
+    light_uniform = gl::create_buffer(context_, &lights.block, sizeof lights.block);
+    glBindBufferBase(GL_UNIFORM_BUFFER, kLightBinding, light_uniform.id());
+    // A lone sub-frame's maps are the same for every tile.
+    if (subframes > 1 || &tile == &plan.tiles.front()) pass_shadow(pass, lights);
+  }
+  pass_visibility(pass);
+  pass_veil(pass);
+  pass_shade(pass);
+  pass_accumulate(pass, subframe == 0);
+  glFinish();
+  if (subframe + 1 < subframes) return;
+  if (is_backdrop) {
+    pass_backdrop(pass);
+  } else {
+    pass_resolve(pass);
+  }
+  glFinish();
+}
+
+void FrameRenderer::draw_backdrop(const FrameJob& job) {
+  constexpr int kMostSidePx = 2048;
+  const FramePlan plan = plan_backdrop(job.plan, kMostSidePx);
+  provide_backdrop(context_, plan.picture, *targets_);
+  for (const Tile& tile : plan.tiles) {
+    for (std::size_t i = 0; i < plan.jitter_px.size(); ++i) draw_subframe(job, plan, tile, i, true);
+  }
+  glGenerateTextureMipmap(targets_->backdrop->color.id());
+}
+
 FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, const View& view,
                                   const GpuScene& scene, const PreparedScene& prepared,
                                   const Deadline& deadline) {
-  const GroundRectangle* ground_map =
-      scene.ground_shadow != nullptr ? &scene.ground_shadow->rectangle : nullptr;
+  const FrameJob job{residency, plan, view, scene, prepared, deadline};
   const std::size_t subframes = plan.jitter_px.size();
-  provide_targets(context_, plan, {!scene.blended.empty() || !scene.strokes.empty(), subframes > 1},
-                  targets_);
+  const bool veil = !scene.blended.empty() || !scene.strokes.empty();
+  provide_targets(context_, plan, {veil, subframes > 1 || scene.seen_through}, targets_);
   FrameResult result;
   result.pixels = make_image(plan.picture, 4, plan.film_type,
                              plan.scene_linear() ? ColorSpace::kLinear : ColorSpace::kSrgb);
+  const Clock::time_point backdrop_start = Clock::now();
+  if (scene.seen_through) draw_backdrop(job);
+  result.draw_ms += ms_since(backdrop_start);
   for (const Tile& tile : plan.tiles) {
     const Clock::time_point start = Clock::now();
-    for (std::size_t subframe = 0; subframe < subframes; ++subframe) {
-      check_deadline(deadline, "draw");
-      const gpu::FrameBlock frame = pack_frame(plan, view, prepared, ground_map, tile, subframe);
-      const gl::Buffer uniform = gl::create_buffer(context_, &frame, sizeof frame);
-      glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniform.id());
-      const PassContext pass{context_, programs_, residency,           plan, *targets_,
-                             scene,    tile,      empty_vertex_array_, frame};
-      gl::Buffer light_uniform;
-      if (!prepared.lights.empty()) {
-        const LightPlan lights =
-            plan_lights(prepared.lights, prepared.bounds, {tile.x, tile.y}, int(subframe), int(subframes));
-        provide_shadows(context_, lights.side_px, std::max(lights.views, 1), *targets_);
-        light_uniform = gl::create_buffer(context_, &lights.block, sizeof lights.block);
-        glBindBufferBase(GL_UNIFORM_BUFFER, kLightBinding, light_uniform.id());
-        // A lone sub-frame's maps are the same for every tile.
-        if (subframes > 1 || &tile == &plan.tiles.front()) pass_shadow(pass, lights);
-      }
-      pass_visibility(pass);
-      pass_veil(pass);
-      pass_shade(pass);
-      pass_accumulate(pass, subframe == 0);
-      glFinish();
-      if (subframe + 1 == subframes) pass_resolve(pass);
-    }
-    glFinish();
+    for (std::size_t i = 0; i < subframes; ++i) draw_subframe(job, plan, tile, i, false);
     result.draw_ms += ms_since(start);
 
     const Clock::time_point read_start = Clock::now();

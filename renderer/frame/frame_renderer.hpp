@@ -30,6 +30,19 @@ class FrameRenderer {
                              const Deadline& deadline);
 
  private:
+  // What one frame is drawn of; lives as long as the call.
+  struct FrameJob {
+    Residency& residency;
+    const FramePlan& plan;
+    const View& view;
+    const GpuScene& scene;
+    const PreparedScene& prepared;
+    const Deadline& deadline;
+  };
+  void draw_backdrop(const FrameJob& job);
+  void draw_subframe(const FrameJob& job, const FramePlan& plan, const Tile& tile, std::size_t subframe,
+                     bool is_backdrop);
+
   gl::Context& context_;
   gl::ProgramCache& programs_;
   gl::VertexArray empty_vertex_array_;

@@ -67,6 +67,12 @@ void provide_targets(gl::Context& context, const FramePlan& plan, TargetNeeds ne
     targets->accumulated = create_color_target(context, kRadiance, plan.tile_size);
 }
 
+void provide_backdrop(gl::Context& context, Extent size, FrameTargets& targets) {
+  if (targets.backdrop && targets.backdrop->size == size) return;
+  targets.backdrop.reset();
+  targets.backdrop = BackdropTarget{size, gl::create_texture(context, kRadiance, size, gl::mip_levels(size))};
+}
+
 void provide_shadows(gl::Context& context, int side_px, int views, FrameTargets& targets) {
   if (targets.shadows && targets.shadows->side_px == side_px && targets.shadows->views >= views) return;
   targets.shadows.reset();

@@ -114,6 +114,26 @@ glm::dmat3 ray_from_tile(const glm::dmat4& tile_from_clip) {
   return glm::inverse(tile_from_ray);
 }
 
+// What is seen behind transmissive surfaces.
+void pack_backdrop(const FramePlan& plan, const View& view, const PreparedScene& scene,
+                   gpu::FrameBlock& block) {
+  const glm::dmat4 place_from_clip =
+      glm::scale(glm::translate(glm::dmat4(1), glm::dvec3(0.5, 0.5, 0)), glm::dvec3(0.5, -0.5, 1));
+  block.backdrop_from_world =
+      glm::mat4(place_from_clip * glm::dmat4(view.clip_from_view) * glm::dmat4(view.view_from_world));
+  block.background_top = plan.background_top;
+  block.background_bottom = plan.background_bottom;
+  const double lit = scene.environment_intensity;
+  if (scene.background == nullptr) {
+    block.backdrop_kind = plan.opaque ? gpu::BACKDROP_COLOR : gpu::BACKDROP_TRANSPARENT;
+  } else if (scene.background->key == scene.environment->seen().key && lit > 0) {
+    block.backdrop_kind = gpu::BACKDROP_LIGHT;
+    block.background_share = float(scene.background_intensity / lit);
+  } else {
+    block.backdrop_kind = gpu::BACKDROP_MAP;
+  }
+}
+
 }  // namespace
 
 gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const PreparedScene& scene,
@@ -144,6 +164,7 @@ gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const Prepar
         glm::mat4(glm::dmat4(map_from_ndc(true_rays, scene.ground->level_m, *ground_map) * ray_from_ndc));
     block.shadow_strength = float(plan.shadow_strength);
   }
+  pack_backdrop(plan, view, scene, block);
   block.eye_world = glm::vec4(view.eye, view.orthographic ? 0 : 1);
   block.towards_viewer_world = glm::vec4(glm::transpose(glm::mat3(view.view_from_world))[2], 0);
 

@@ -60,7 +60,7 @@ GLuint screen_program(const PassContext& pass, const char* fragment, bool compos
     features |= gl::kFeatureVeil;
     bind_texels(pass.context, pass.residency, 1, pass.targets.veil->color);
   }
-  const bool sky = composes && pass.scene.background != nullptr;
+  const bool sky = composes && !pass.is_backdrop && pass.scene.background != nullptr;
   if (sky) {
     features |= gl::kFeatureSky;
     if (pass.plan.projection) {
@@ -70,7 +70,7 @@ GLuint screen_program(const PassContext& pass, const char* fragment, bool compos
     }
     bind_sky(pass, *pass.scene.background);
   }
-  if (composes && pass.scene.ground_shadow != nullptr) {
+  if (composes && !pass.is_backdrop && pass.scene.ground_shadow != nullptr) {
     features |= gl::kFeatureGroundShadow;
     bind_ground(pass);
   }
@@ -80,7 +80,7 @@ GLuint screen_program(const PassContext& pass, const char* fragment, bool compos
     glProgramUniform1f(program, kExposureLocation, float(pass.plan.exposure));
   if (!sky) {
     std::array<glm::vec4, 2> ends{};
-    if (composes)
+    if (composes && !pass.is_backdrop)
       ends = {background_at(pass, pass.tile.y), background_at(pass, pass.tile.y + pass.tile.size.height)};
     glProgramUniform4fv(program, kBackgroundLocation, 2, &ends[0].x);
   }
@@ -90,7 +90,7 @@ GLuint screen_program(const PassContext& pass, const char* fragment, bool compos
 }  // namespace
 
 void pass_accumulate(const PassContext& pass, bool first) {
-  if (is_lone(pass.plan)) return;
+  if (is_lone(pass.plan) && !pass.is_backdrop) return;
   gl::PassState state = tile_state(pass, pass.targets.accumulated->framebuffer, Grid::kPixels);
   state.blend = first ? gl::Blend::kOff : gl::Blend::kAdd;
   gl::begin_pass(pass.context, state);
@@ -98,6 +98,13 @@ void pass_accumulate(const PassContext& pass, bool first) {
   glProgramUniform1f(program, 0, 1.f / float(pass.plan.jitter_px.size()));
   glUseProgram(program);
   draw_screen(pass, pass.targets.shading.color);
+}
+
+void pass_backdrop(const PassContext& pass) {
+  const BackdropTarget& backdrop = *pass.targets.backdrop;
+  glCopyImageSubData(pass.targets.accumulated->color.id(), GL_TEXTURE_2D, 0, 0, 0, 0, backdrop.color.id(),
+                     GL_TEXTURE_2D, 0, pass.tile.x, pass.tile.y, 0, pass.tile.size.width,
+                     pass.tile.size.height, 1);
 }
 
 void pass_resolve(const PassContext& pass) {

@@ -94,6 +94,7 @@ void shade_layer(const PassContext& pass, const std::vector<Rect>& rects, GLuint
   }
   gl::begin_pass(pass.context, state);
   bind_environment(pass);
+  bind_backdrop(pass);
   bind_texels(pass.context, pass.residency, kVisibilityUnit, pass.targets.visibility.texels);
   bind_texels(pass.context, pass.residency, kSharesUnit, pass.targets.shading.shares);
   const gl::FeatureSet veil = pass.veiled() ? gl::FeatureSet(gl::kFeatureVeil) : 0;
@@ -120,7 +121,8 @@ void pass_shade(const PassContext& pass) {
   std::vector<Rect> rects;
   Rect all;
   for (const Draw& draw : pass.scene.deferred) {
-    rects.push_back(covered_pixels(pass, draw));
+    const bool drawn = !pass.is_backdrop || !draw.seen_through();
+    rects.push_back(drawn ? covered_pixels(pass, draw) : Rect{});
     all = joined(all, rects.back());
   }
   find_shares(pass, all);

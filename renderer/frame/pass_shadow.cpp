@@ -4,11 +4,9 @@ namespace furnace {
 namespace {
 
 void draw_casters(const PassContext& pass, const glm::mat4& clip_from_world, const std::vector<Draw>& draws) {
-  constexpr gl::FeatureSet kOpacity = gl::kFeatureAlphaMask | gl::kFeatureAlphaBlend;
   for (const Draw& draw : draws) {
     if (draw.mesh->mode != GL_TRIANGLES) continue;
-    const bool opaque = (draw.features & kOpacity) == 0;
-    const gl::FeatureSet features = opaque ? 0 : draw.features & (kOpacity | gl::kFeatureMaterialMaps);
+    const gl::FeatureSet features = caster_features(draw);
     const GLuint program =
         pass.programs.request(pass.context, {"shadow/depth.vert", "shadow/depth.frag", features});
     glProgramUniformMatrix4fv(program, 0, 1, GL_FALSE, &clip_from_world[0][0]);

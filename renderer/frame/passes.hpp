@@ -20,6 +20,8 @@ struct PassContext {
   Tile tile;
   const gl::VertexArray& empty_vertex_array;
   const gpu::FrameBlock& frame;
+  bool is_backdrop =
+      false;  // draws what stands behind transmissive surfaces: neither these nor the background
 
   bool veiled() const { return !scene.blended.empty() || !scene.strokes.empty(); }
 };
@@ -35,6 +37,8 @@ void pass_shade(const PassContext& pass);
 // Composes the sub-frame with veil and background and adds it into the accumulated frame; the first one replaces it. A lone
 // sub-frame is not accumulated.
 void pass_accumulate(const PassContext& pass, bool first);
+// The accumulated tile, into its place in the backdrop.
+void pass_backdrop(const PassContext& pass);
 // Exposure, tone curve and transfer function of the accumulated frame (or of the lone sub-frame, composed) into the film.
 void pass_resolve(const PassContext& pass);
 

@@ -5,15 +5,15 @@
 #include "surface/lights.glsl"
 #endif
 
-vec3 surface_radiance(Surface s) {
+// xyz: radiance, premultiplied by w: opacity, 1 but where a transparent background is seen through the surface.
+vec4 surface_radiance(Surface s) {
 #if FEATURE_UNLIT
-  return s.base_color.rgb;
+  return vec4(s.base_color.rgb, 1.0);
 #else
-  vec3 radiance = s.emissive + environment_light(s.base_color.rgb, s.metallic, s.alpha, s.occlusion, s.normal,
-                                                 s.to_viewer, s.NoV);
+  Leaving light = environment_light(s);
 #if FEATURE_LIGHTS
-  radiance += direct_light(s.base_color.rgb, s.metallic, s.alpha, s.position, s.normal, s.to_viewer, s.NoV);
+  add_direct_light(s, light);
 #endif
-  return radiance;
+  return layered(s, light);
 #endif
 }

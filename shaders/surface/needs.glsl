@@ -1,0 +1,3 @@
+// What the vertices of a draw must bring for its features.
+#define NEEDS_POSITION (FEATURE_LIGHTS || FEATURE_TRANSMISSION)
+#define NEEDS_TANGENT (FEATURE_NORMAL_MAP || FEATURE_COAT_NORMAL_MAP || FEATURE_ANISOTROPY)
