@@ -108,7 +108,8 @@ MaterialOverride read_material(const Value& value, const AssetResolver& assets, 
   if (const Value mode = value["alphaMode"]) read_choice(mode, kModes, material.alpha_mode.emplace());
   read_layers(value, material, faults);
   for (std::size_t use = 0; use < kTextureUses; ++use)
-    material.textures[use] = read_texture(value["textures"][texture_use_name(TextureUse(use))], assets, faults);
+    material.textures[use] =
+        read_texture(value["textures"][texture_use_name(TextureUse(use))], assets, faults);
   return material;
 }
 

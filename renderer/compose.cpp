@@ -36,8 +36,8 @@ glm::mat4 world_from_node(const NodeSpec& node) {
 }
 
 // The material of one part of a built-in mesh.
-Material part_material(const SceneSpec& spec, std::size_t node, std::size_t part, const std::string& part_name,
-                       MaterialComposer& composer) {
+Material part_material(const SceneSpec& spec, std::size_t node, std::size_t part,
+                       const std::string& part_name, MaterialComposer& composer) {
   if (part > 0) {
     if (auto fixed = builtin_part_material(part_name)) {
       fixed->model = spec.shading_model;
@@ -74,9 +74,9 @@ void add_node(const SceneSpec& spec, std::size_t index, MaterialComposer& compos
 void check_variant(const std::string& name, const std::vector<std::string>& known) {
   if (std::find(known.begin(), known.end(), name) != known.end()) return;
   fail(ErrorCode::kUnprocessable,
-       known.empty() ? "the model has no variants (KHR_materials_variants); leave it out"
-                     : fmt::format("the model has no variant \"{}\"; it has \"{}\"", name,
-                                   fmt::join(known, "\", \"")),
+       known.empty()
+           ? "the model has no variants (KHR_materials_variants); leave it out"
+           : fmt::format("the model has no variant \"{}\"; it has \"{}\"", name, fmt::join(known, "\", \"")),
        "/scene/variant");
 }
 

@@ -89,7 +89,8 @@ std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, 
         if (spec.variant) key.add(*spec.variant);
         const auto model = imports_.get_or_load(key.finish(), deadline, [&] {
           return with_context("/scene/model", [&] {
-            return import_gltf(*spec.model, ImportOptions{spec.gltf_scene, spec.variant}, config_.import, deadline);
+            return import_gltf(*spec.model, ImportOptions{spec.gltf_scene, spec.variant}, config_.import,
+                               deadline);
           });
         });
         return compose_scene(spec, model.get());

@@ -89,7 +89,7 @@ struct GltfTextureRef {
 };
 
 struct GltfMaterial {
-  Material values;  // without textures
+  Material values;                                                   // without textures
   std::array<std::optional<GltfTextureRef>, kTextureUses> textures;  // by TextureUse
   std::vector<Note> notes;
 

@@ -109,7 +109,7 @@ class Importer {
   std::vector<glm::dmat4> world_from_node_;
   std::map<int, std::vector<glm::dmat4>> skins_;                // joint matrices, by skin
   std::map<GltfPrimitiveRef, std::optional<Instance>> shared_;  // meshes as they are for every plain node
-  std::optional<int> variant_;  // index into document_.variants
+  std::optional<int> variant_;                                  // index into document_.variants
   std::int64_t vertices_ = 0, mesh_bytes_ = 0, elements_drawn_ = 0;
 };
 

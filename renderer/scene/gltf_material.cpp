@@ -21,8 +21,7 @@ int GltfMaterials::scene_material(std::optional<int> material) {
 Material GltfMaterials::convert(const GltfMaterial& material) {
   for (const Note& note : material.notes) notes_.add(note.code, note.pointer, note.message);
   Material result = material.values;
-  for (std::size_t use = 0; use < kTextureUses; ++use)
-    result.textures[use] = convert(material.textures[use]);
+  for (std::size_t use = 0; use < kTextureUses; ++use) result.textures[use] = convert(material.textures[use]);
   return result;
 }
 

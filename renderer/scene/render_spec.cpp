@@ -79,8 +79,19 @@ class CanonicalHash {
   }
 
   void add(const MaterialOverride& value) {
-    const auto& [preset, model, base_color, metallic, roughness, emissive_strength, normal_scale, occlusion_strength, alpha_cutoff, emissive, alpha_mode, double_sided, unlit, ior, specular, specular_color, clearcoat, clearcoat_roughness, clearcoat_normal_scale, sheen_color, sheen_roughness, anisotropy, anisotropy_rotation_rad, iridescence, iridescence_ior, iridescence_min_nm, iridescence_max_nm, transmission, thickness_m, attenuation_distance_m, dispersion, attenuation_color, diffuse_transmission, diffuse_transmission_color, textures] = value;
-    add_all(preset, model, base_color, metallic, roughness, emissive_strength, normal_scale, occlusion_strength, alpha_cutoff, emissive, alpha_mode, double_sided, unlit, ior, specular, specular_color, clearcoat, clearcoat_roughness, clearcoat_normal_scale, sheen_color, sheen_roughness, anisotropy, anisotropy_rotation_rad, iridescence, iridescence_ior, iridescence_min_nm, iridescence_max_nm, transmission, thickness_m, attenuation_distance_m, dispersion, attenuation_color, diffuse_transmission, diffuse_transmission_color, textures);
+    const auto& [preset, model, base_color, metallic, roughness, emissive_strength, normal_scale,
+                 occlusion_strength, alpha_cutoff, emissive, alpha_mode, double_sided, unlit, ior, specular,
+                 specular_color, clearcoat, clearcoat_roughness, clearcoat_normal_scale, sheen_color,
+                 sheen_roughness, anisotropy, anisotropy_rotation_rad, iridescence, iridescence_ior,
+                 iridescence_min_nm, iridescence_max_nm, transmission, thickness_m, attenuation_distance_m,
+                 dispersion, attenuation_color, diffuse_transmission, diffuse_transmission_color, textures] =
+        value;
+    add_all(preset, model, base_color, metallic, roughness, emissive_strength, normal_scale,
+            occlusion_strength, alpha_cutoff, emissive, alpha_mode, double_sided, unlit, ior, specular,
+            specular_color, clearcoat, clearcoat_roughness, clearcoat_normal_scale, sheen_color,
+            sheen_roughness, anisotropy, anisotropy_rotation_rad, iridescence, iridescence_ior,
+            iridescence_min_nm, iridescence_max_nm, transmission, thickness_m, attenuation_distance_m,
+            dispersion, attenuation_color, diffuse_transmission, diffuse_transmission_color, textures);
   }
 
   void add(const NodeSpec& value) {
