@@ -1,6 +1,7 @@
 #include "api/render_request.hpp"
 
 #include "api/contract.hpp"
+#include "api/material_request.hpp"
 #include "api/procedural_request.hpp"
 #include "api/request_values.hpp"
 #include "api/validate.hpp"
@@ -48,7 +49,8 @@ class Reader {
  private:
   void read_scene(const Value& scene, SceneSpec& spec) {
     for (const auto& [name, value] : scene["materials"].members())
-      spec.materials.emplace(name, read_material(value));
+      spec.materials.emplace(name, read_material(value, assets_, faults_));
+    read_shading_model(scene["shadingModel"], spec.shading_model);
     if (const Value model = scene["model"]) read_model(model, spec);
     const Value nodes = scene["nodes"];
     for (std::size_t i = 0; i < nodes.size(); ++i) spec.nodes.push_back(read_node(nodes.at(i), spec));
@@ -56,12 +58,13 @@ class Reader {
     for (std::size_t i = 0; i < lights.size(); ++i) spec.lights.push_back(read_light(lights.at(i)));
     read(scene["modelLights"], spec.model_lights);
     if (!scene["model"] && !nodes) spec.nodes.push_back(default_node(kDefaultMesh));
-    if (const Value index = scene["gltfScene"]) {
-      read(index, spec.gltf_scene);
-      if (!scene["model"] || scene["model"].text().starts_with(kBuiltin))
-        faults_.add(ErrorCode::kUnprocessable, index,
+    read(scene["gltfScene"], spec.gltf_scene);
+    read(scene["variant"], spec.variant);
+    if (scene["model"] && !scene["model"].text().starts_with(kBuiltin)) return;
+    for (const std::string_view key : {"gltfScene", "variant"})
+      if (scene[key])
+        faults_.add(ErrorCode::kUnprocessable, scene[key],
                     "needs a glTF file as \"model\"; leave it out or name one");
-    }
   }
 
   Light read_light(const Value& value) {
@@ -160,29 +163,6 @@ class Reader {
     }
     const glm::vec4 unit(xyzw / length);
     return {unit.w, unit.x, unit.y, unit.z};
-  }
-
-  static MaterialOverride read_material(const Value& value) {
-    MaterialOverride material;
-    if (value.type() == JsonType::kText) {
-      read(value, material.preset.emplace());
-      return material;
-    }
-    read(value["preset"], material.preset);
-    read(value["baseColor"], material.base_color);
-    read(value["metallic"], material.metallic);
-    read(value["roughness"], material.perceptual_roughness);
-    read(value["emissive"], material.emissive);
-    read(value["emissiveStrength"], material.emissive_strength);
-    read(value["normalScale"], material.normal_scale);
-    read(value["occlusionStrength"], material.occlusion_strength);
-    read(value["alphaCutoff"], material.alpha_cutoff);
-    read(value["doubleSided"], material.double_sided);
-    read(value["unlit"], material.unlit);
-    static constexpr Choice<AlphaMode> kModes[] = {
-        {"OPAQUE", AlphaMode::kOpaque}, {"MASK", AlphaMode::kMask}, {"BLEND", AlphaMode::kBlend}};
-    if (const Value mode = value["alphaMode"]) read_choice(mode, kModes, material.alpha_mode.emplace());
-    return material;
   }
 
   void read_environment(const Value& value, EnvironmentSpec& spec) {

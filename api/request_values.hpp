@@ -76,6 +76,10 @@ inline void read(const Value& value, double& target) {
   if (value) target = value.number();
 }
 
+inline void read(const Value& value, glm::vec2& target) {
+  if (value) target = {value.at(0).number(), value.at(1).number()};
+}
+
 inline void read(const Value& value, glm::vec3& target) {
   if (value) target = {value.at(0).number(), value.at(1).number(), value.at(2).number()};
 }

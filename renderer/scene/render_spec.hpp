@@ -2,6 +2,7 @@
 // renderer.
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -25,16 +26,43 @@ struct BuiltinName {
   std::string name;  // without "builtin:"
 };
 
+struct KeepTexture {};
+struct NoTexture {};
+struct TextureFile {
+  Blob encoded;  // PNG, JPEG or WebP
+  int uv_set = 0;
+  SamplerDesc sampler;
+  UvTransform transform;
+};
+using TextureOverride = std::variant<KeepTexture, NoTexture, TextureFile>;
+
 // A material in a request: a preset or plain values, over the defaults or over a model's own material of the
-// same name.
+// same name. Units and ranges are those of Material. A metallic or roughness, or a texture of them, makes a
+// specular-glossiness material one of metallic-roughness.
 struct MaterialOverride {
   std::optional<std::string> preset;
+  std::optional<ShadingModel> model;
   std::optional<glm::vec4> base_color;
   std::optional<float> metallic, perceptual_roughness, emissive_strength, normal_scale, occlusion_strength,
       alpha_cutoff;
   std::optional<glm::vec3> emissive;
   std::optional<AlphaMode> alpha_mode;
   std::optional<bool> double_sided, unlit;
+
+  std::optional<float> ior, specular;
+  std::optional<glm::vec3> specular_color;
+  std::optional<float> clearcoat, clearcoat_perceptual_roughness, clearcoat_normal_scale;
+  std::optional<glm::vec3> sheen_color;
+  std::optional<float> sheen_perceptual_roughness;
+  std::optional<float> anisotropy, anisotropy_rotation_rad;
+  std::optional<float> iridescence, iridescence_ior, iridescence_thickness_min_nm,
+      iridescence_thickness_max_nm;
+  std::optional<float> transmission, thickness_m, attenuation_distance_m, dispersion;
+  std::optional<glm::vec3> attenuation_color;
+  std::optional<float> diffuse_transmission;
+  std::optional<glm::vec3> diffuse_transmission_color;
+
+  std::array<TextureOverride, kTextureUses> textures;  // by TextureUse
 };
 
 struct NodeSpec {
@@ -49,10 +77,12 @@ struct NodeSpec {
 struct SceneSpec {
   std::shared_ptr<const ModelBundle> model;  // may be null: then nodes only
   int gltf_scene = -1;                       // as ImportOptions::scene
+  std::optional<std::string> variant;        // of the model's materials, by name
   std::vector<NodeSpec> nodes;
   std::map<std::string, MaterialOverride> materials;
-  std::vector<Light> lights;  // beside those of the model
-  bool model_lights = true;   // whether the model's own shine
+  ShadingModel shading_model = ShadingModel::kPbr;  // of materials that state none
+  std::vector<Light> lights;                        // beside those of the model
+  bool model_lights = true;                         // whether the model's own shine
 };
 
 struct EnvironmentFile {

@@ -44,6 +44,9 @@ struct Mutation {
 MaterialOverride& red(RenderSpec& spec) {
   return spec.scene.materials.at("red");
 }
+TextureFile& texture(RenderSpec& spec, TextureUse use = TextureUse::kBaseColor) {
+  return red(spec).textures[std::size_t(use)].emplace<TextureFile>();
+}
 NodeSpec& node(RenderSpec& spec) {
   return spec.scene.nodes[0];
 }
@@ -124,6 +127,44 @@ const std::vector<Mutation> kMutations = {
     {"no double sided", [](RenderSpec& s) { red(s).double_sided.reset(); }},
     {"unlit", [](RenderSpec& s) { red(s).unlit = true; }},
     {"no unlit", [](RenderSpec& s) { red(s).unlit.reset(); }},
+    {"variant", [](RenderSpec& s) { s.scene.variant = "a"; }},
+    {"other variant", [](RenderSpec& s) { s.scene.variant = "b"; }},
+    {"shading model", [](RenderSpec& s) { s.scene.shading_model = ShadingModel::kPhong; }},
+    {"material's model", [](RenderSpec& s) { red(s).model = ShadingModel::kPbr; }},
+    {"ior", [](RenderSpec& s) { red(s).ior = 0; }},
+    {"specular", [](RenderSpec& s) { red(s).specular = 0; }},
+    {"clearcoat", [](RenderSpec& s) { red(s).clearcoat = 0; }},
+    {"clearcoat perceptual roughness", [](RenderSpec& s) { red(s).clearcoat_perceptual_roughness = 0; }},
+    {"clearcoat normal scale", [](RenderSpec& s) { red(s).clearcoat_normal_scale = 0; }},
+    {"sheen perceptual roughness", [](RenderSpec& s) { red(s).sheen_perceptual_roughness = 0; }},
+    {"anisotropy", [](RenderSpec& s) { red(s).anisotropy = 0; }},
+    {"anisotropy rotation rad", [](RenderSpec& s) { red(s).anisotropy_rotation_rad = 0; }},
+    {"iridescence", [](RenderSpec& s) { red(s).iridescence = 0; }},
+    {"iridescence ior", [](RenderSpec& s) { red(s).iridescence_ior = 0; }},
+    {"iridescence thickness min nm", [](RenderSpec& s) { red(s).iridescence_thickness_min_nm = 0; }},
+    {"iridescence thickness max nm", [](RenderSpec& s) { red(s).iridescence_thickness_max_nm = 0; }},
+    {"transmission", [](RenderSpec& s) { red(s).transmission = 0; }},
+    {"thickness m", [](RenderSpec& s) { red(s).thickness_m = 0; }},
+    {"attenuation distance m", [](RenderSpec& s) { red(s).attenuation_distance_m = 0; }},
+    {"dispersion", [](RenderSpec& s) { red(s).dispersion = 0; }},
+    {"diffuse transmission", [](RenderSpec& s) { red(s).diffuse_transmission = 0; }},
+    {"specular color", [](RenderSpec& s) { red(s).specular_color = glm::vec3(1); }},
+    {"sheen color", [](RenderSpec& s) { red(s).sheen_color = glm::vec3(1); }},
+    {"attenuation color", [](RenderSpec& s) { red(s).attenuation_color = glm::vec3(1); }},
+    {"diffuse transmission color", [](RenderSpec& s) { red(s).diffuse_transmission_color = glm::vec3(1); }},
+    {"texture", [](RenderSpec& s) { texture(s); }},
+    {"texture of another use", [](RenderSpec& s) { texture(s, TextureUse::kDiffuseTransmissionColor); }},
+    {"no texture", [](RenderSpec& s) { red(s).textures[0] = NoTexture{}; }},
+    {"texture bytes", [](RenderSpec& s) { texture(s).encoded = Blob(std::string("other")); }},
+    {"texture UV set", [](RenderSpec& s) { texture(s).uv_set = 1; }},
+    {"texture wrap u", [](RenderSpec& s) { texture(s).sampler.wrap_u = Wrap::kClampToEdge; }},
+    {"texture wrap v", [](RenderSpec& s) { texture(s).sampler.wrap_v = Wrap::kClampToEdge; }},
+    {"texture magnified", [](RenderSpec& s) { texture(s).sampler.mag = Filter::kNearest; }},
+    {"texture minified", [](RenderSpec& s) { texture(s).sampler.min = Filter::kNearest; }},
+    {"texture levels", [](RenderSpec& s) { texture(s).sampler.mip = MipFilter::kNearest; }},
+    {"texture offset", [](RenderSpec& s) { texture(s).transform.offset.y = 1; }},
+    {"texture rotation", [](RenderSpec& s) { texture(s).transform.rotation_rad = 1; }},
+    {"texture scale", [](RenderSpec& s) { texture(s).transform.scale.x = 2; }},
     {"a light", [](RenderSpec& s) { light(s); }},
     {"light's kind", [](RenderSpec& s) { light(s).kind = LightKind::kSpot; }},
     {"light's name", [](RenderSpec& s) { light(s).name = "a"; }},
@@ -144,10 +185,7 @@ const std::vector<Mutation> kMutations = {
     {"environment file", [](RenderSpec& s) { s.environment.map = EnvironmentFile{Blob(std::string("a"))}; }},
     {"other file", [](RenderSpec& s) { s.environment.map = EnvironmentFile{Blob(std::string("b"))}; }},
     {"environment color", [](RenderSpec& s) { s.environment.map = EnvironmentColor{}; }},
-    {"other color",
-     [](RenderSpec& s) {
-       s.environment.map = EnvironmentColor{{1, 1, 0.5f}};
-     }},
+    {"other color", [](RenderSpec& s) { s.environment.map = EnvironmentColor{{1, 1, 0.5f}}; }},
     {"gradient", [](RenderSpec& s) { map<GradientEnvironment>(s); }},
     {"gradient stop", [](RenderSpec& s) { map<GradientEnvironment>(s).stops[0].elevation_deg = -80; }},
     {"gradient stop radiance", [](RenderSpec& s) { map<GradientEnvironment>(s).stops[0].radiance.b = 9; }},
