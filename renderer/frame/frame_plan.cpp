@@ -50,13 +50,14 @@ glm::vec2 r2_offset(int i) {
   return {float(x - std::floor(x) - 0.5), float(y - std::floor(y) - 0.5)};
 }
 
-FramePlan plan_backdrop(const FramePlan& plan, int max_side_px) {
-  FramePlan behind = plan;
+FramePlan scaled_plan(FramePlan plan, int max_side_px) {
   const double scale = std::min(1.0, double(max_side_px) / std::max(plan.picture.width, plan.picture.height));
   const auto scaled = [&](int side) { return std::max(1, int(std::lround(side * scale))); };
-  behind.picture = {scaled(plan.picture.width), scaled(plan.picture.height)};
-  behind.tiles = cut_tiles(behind.picture, plan.tile_size);
-  return behind;
+  plan.picture = {scaled(plan.picture.width), scaled(plan.picture.height)};
+  plan.tile_size = {std::min(plan.tile_size.width, plan.picture.width),
+                    std::min(plan.tile_size.height, plan.picture.height)};
+  plan.tiles = cut_tiles(plan.picture, plan.tile_size);
+  return plan;
 }
 
 FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev) {

@@ -47,8 +47,8 @@ struct FramePlan {
 // Place i of a fixed sequence that fills [-0.5, 0.5)^2 evenly however far it goes; place 0 is the middle.
 glm::vec2 r2_offset(int i);
 
-// The plan of what stands behind transmissive surfaces: the same picture, at most so many px a side, in tiles no larger than the plan's.
-FramePlan plan_backdrop(const FramePlan& plan, int max_side_px);
+// The same picture, at most so many px a side, in tiles no larger than the plan's.
+FramePlan scaled_plan(FramePlan plan, int max_side_px);
 
 // Pixels are drawn in tiles of at most `max_tile_px` a side, so that memory does not grow with the picture. `auto_ev` is what a
 // meter said (stops), for a camera with automatic exposure.

@@ -59,7 +59,7 @@ void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, co
 
 void FrameRenderer::draw_backdrop(const FrameJob& job) {
   constexpr int kMostSidePx = 2048;
-  const FramePlan plan = plan_backdrop(job.plan, kMostSidePx);
+  const FramePlan plan = scaled_plan(job.plan, kMostSidePx);
   provide_backdrop(context_, plan.picture, *targets_);
   for (const Tile& tile : plan.tiles) {
     for (std::size_t i = 0; i < plan.jitter_px.size(); ++i) draw_subframe(job, plan, tile, i, true);

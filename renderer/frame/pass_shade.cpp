@@ -87,11 +87,9 @@ void select_draws(const PassContext& pass, const Rect& rect, GLuint layer) {
 void shade_layer(const PassContext& pass, const std::vector<Rect>& rects, GLuint layer) {
   gl::PassState state = tile_state(pass, pass.targets.shading.shade, Grid::kPixels);
   state.depth = gl::DepthUse::kSelect;
-  if (layer == 0) {
-    state.clear_color = glm::vec4(0);
-  } else {
-    state.blend = gl::Blend::kAdd;
-  }
+  if (layer == 0) state.clear_color = glm::vec4(0);
+  // The first layer is added too: with one state drivers compile a shader once.
+  state.blend = gl::Blend::kAdd;
   gl::begin_pass(pass.context, state);
   bind_environment(pass);
   bind_backdrop(pass);

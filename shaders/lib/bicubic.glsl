@@ -19,10 +19,13 @@ vec4 bicubic(sampler2D map, vec2 uv, float level) {
          g1.y * (g0.x * textureLod(map, vec2(p0.x, p1.y), level) + g1.x * textureLod(map, p1, level));
 }
 
-// Between two levels of a mipmapped picture; at level 0 as it is.
+// Between two levels of a mipmapped picture; at level 0 as it is. A loop, so that compilers take it once.
 vec4 bicubic_lod(sampler2D map, vec2 uv, float lod) {
-  float low = floor(lod);
-  vec4 coarse = bicubic(map, uv, low + 1.0);
-  vec4 fine = low < 1.0 ? textureLod(map, uv, 0.0) : bicubic(map, uv, low);
-  return mix(fine, coarse, lod - low);
+  float low = floor(lod), high = lod > low ? low + 1.0 : low;
+  vec4 sum = vec4(0.0);
+  for (float level = low; level <= high; level += 1.0) {
+    vec4 value = level < 0.5 ? textureLod(map, uv, 0.0) : bicubic(map, uv, level);
+    sum += value * (1.0 - abs(lod - level));
+  }
+  return sum;
 }

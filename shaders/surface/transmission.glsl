@@ -66,19 +66,17 @@ void add_transmitted(Surface s, vec3 weight, inout vec3 through, inout vec3 see_
   // A surface that does not bend light does not scatter it either (KHR_materials_volume's renderers).
   float roughness = sqrt(s.alpha) * clamp(2.0 * ior - 2.0, 0.0, 1.0);
   weight *= exp(-layers.absorption.rgb * s.thickness_m);
-  vec3 behind;
-  vec4 seen = seen_through(s, ior, roughness, behind);
-  vec3 radiance = seen.rgb + (1.0 - seen.a) * behind;
-  float dispersion = layers.transmission.w;
-  if (dispersion > 0.0 && s.thickness_m > 0.0) {
-    // KHR_materials_dispersion: the index of refraction at the ends of the spectrum.
-    float half_spread = (ior - 1.0) * 0.025 * dispersion;
-    vec3 behind_red, behind_blue;
-    vec4 red = seen_through(s, ior - half_spread, roughness, behind_red);
-    vec4 blue = seen_through(s, ior + half_spread, roughness, behind_blue);
-    radiance.r = red.r + (1.0 - red.a) * behind_red.r;
-    radiance.b = blue.b + (1.0 - blue.a) * behind_blue.b;
+  // KHR_materials_dispersion: the index of refraction at the ends of the spectrum.
+  float half_spread = s.thickness_m > 0.0 ? (ior - 1.0) * 0.025 * layers.transmission.w : 0.0;
+  vec3 radiance = vec3(0.0), background_share = vec3(0.0);
+  int rays = half_spread > 0.0 ? 3 : 1;
+  for (int i = 0; i < rays; ++i) {
+    vec3 channels = rays == 1 ? vec3(1.0) : vec3(equal(ivec3(i), ivec3(0, 1, 2)));
+    vec3 behind;
+    vec4 seen = seen_through(s, ior + (rays == 1 ? 0.0 : float(i - 1) * half_spread), roughness, behind);
+    radiance += channels * (seen.rgb + (1.0 - seen.a) * behind);
+    background_share += channels * (1.0 - seen.a);
   }
   through += weight * radiance;
-  if (frame.backdrop_kind == BACKDROP_TRANSPARENT) see_through += weight * (1.0 - seen.a);
+  if (frame.backdrop_kind == BACKDROP_TRANSPARENT) see_through += weight * background_share;
 }
