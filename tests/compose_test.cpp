@@ -34,8 +34,8 @@ Scene model() {
   scene.images = {{Blob(std::string("own")), "/images/0"}};
   Material material;
   material.name = "skin";
-  material.texture(TextureUse::kBaseColor) = TextureSlot{.image = 0};
-  material.texture(TextureUse::kMetallicRoughness) = TextureSlot{.image = 0};
+  material.texture(TextureUse::kBaseColor) = TextureSlot{0, 0, {}, {}};
+  material.texture(TextureUse::kMetallicRoughness) = TextureSlot{0, 0, {}, {}};
   scene.materials = {material};
   scene.instances = {Instance{}};
   scene.variants = {"day", "night"};

@@ -145,16 +145,8 @@ TEST(GltfLayers, EachTextureFindsItsSlotWithItsTransform) {
   }
 }
 
-struct Clamped {
-  const char* extension;
-  const char* key;
-  Json value;
-  float (*read)(const Material&);
-  float expected;
-};
-
 TEST(GltfLayers, ValuesOutOfRangeAreBroughtBackAndNoted) {
-  const std::vector<Clamped> rows = {
+  const std::vector<Member> rows = {
       {"ior", "ior", 0.5, [](const Material& m) { return m.ior; }, 1},
       {"ior", "ior", -1, [](const Material& m) { return m.ior; }, 1},
       {"specular",
@@ -170,7 +162,7 @@ TEST(GltfLayers, ValuesOutOfRangeAreBroughtBackAndNoted) {
       {"volume", "thicknessFactor", -1, [](const Material& m) { return m.thickness_m; }, 0},
       {"dispersion", "dispersion", -1, [](const Material& m) { return m.dispersion; }, 0},
   };
-  for (const Clamped& row : rows) {
+  for (const Member& row : rows) {
     SCOPED_TRACE(row.key);
     const std::string name = std::string("KHR_materials_") + row.extension;
     const Scene scene = import_extension(name, {{row.key, row.value}});

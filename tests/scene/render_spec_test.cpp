@@ -21,18 +21,15 @@ RenderSpec full_spec() {
   spec.scene.model = model_of(1);
   spec.scene.nodes = {NodeSpec{.mesh = "cube", .material = "gold"},
                       NodeSpec{.mesh = "sphere", .material = "red"}};
-  spec.scene.materials["red"] = {.preset = "plastic-red",
-                                 .base_color = glm::vec4(0.5f),
-                                 .metallic = 0.5f,
-                                 .perceptual_roughness = 0.5f,
-                                 .emissive_strength = 0.5f,
-                                 .normal_scale = 0.5f,
-                                 .occlusion_strength = 0.5f,
-                                 .alpha_cutoff = 0.25f,
-                                 .emissive = glm::vec3(0.5f),
-                                 .alpha_mode = AlphaMode::kMask,
-                                 .double_sided = false,
-                                 .unlit = false};
+  MaterialOverride& material = spec.scene.materials["red"];
+  material.preset = "plastic-red";
+  material.base_color = glm::vec4(0.5f);
+  material.metallic = material.perceptual_roughness = material.emissive_strength = 0.5f;
+  material.normal_scale = material.occlusion_strength = 0.5f;
+  material.alpha_cutoff = 0.25f;
+  material.emissive = glm::vec3(0.5f);
+  material.alpha_mode = AlphaMode::kMask;
+  material.double_sided = material.unlit = false;
   return spec;
 }
 
