@@ -36,7 +36,7 @@ vec3 thin_film_reflectance(float cosine, float film_ior, float thickness_nm, vec
 
   float path_m = 2.0e-9 * ior * thickness_nm * inner_cosine;
   vec3 phase = PI - phase_12 + phase_23;
-  vec3 R123 = clamp(R12 * R23, 1e-5, 0.9999);
+  vec3 R123 = min(R12 * R23, vec3(0.9999));
   vec3 r123 = sqrt(R123);
   vec3 Rs = T121 * T121 * R23 / (1.0 - R123);
   vec3 sum = R12 + Rs;

@@ -97,16 +97,16 @@ TEST_F(ObjectsGlTest, EveryProgramBuilds) {
     EXPECT_NO_THROW(build_program(context_, library, {vertex, fragment, features}))
         << fragment << " " << features;
   };
-  // Each combination of two features of a material with none or all of the others.
+  // Each combination of two features of a material, and all but one.
   constexpr FeatureSet kMaterialFeatures = kFeatureVeil - 1;
+  const auto surface_builds = [&](FeatureSet features) {
+    builds("surface/deferred.vert", "surface/deferred.frag", features);
+    builds("surface/forward.vert", "surface/forward.frag", features);
+  };
   for (FeatureSet a = 1; a <= kMaterialFeatures; a <<= 1) {
-    for (FeatureSet b = a; b <= kMaterialFeatures; b <<= 1) {
-      for (const FeatureSet features : {a | b, kMaterialFeatures & ~(a | b)}) {
-        builds("surface/deferred.vert", "surface/deferred.frag",
-               features | (b == a ? FeatureSet(kFeatureVeil) : 0));
-        builds("surface/forward.vert", "surface/forward.frag", features);
-      }
-    }
+    for (FeatureSet b = a; b <= kMaterialFeatures; b <<= 1) surface_builds(a | b);
+    surface_builds(kMaterialFeatures & ~a);
+    builds("surface/deferred.vert", "surface/deferred.frag", a | kFeatureVeil);
   }
   for (const FeatureSet features :
        {0u, FeatureSet(kFeatureAlphaMask), kFeatureAlphaMask | kFeatureMaterialMaps})
@@ -177,6 +177,8 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
               "#include \"interface/light_block.glsl\"\n"
               "layout(std140, binding = 3) uniform GroundUniform { GroundBlock ground; };\n"
               "layout(std140, binding = 5) uniform LightUniform { LightBlock lights; };\n"
+              "#include \"interface/layer_block.glsl\"\n"
+              "layout(std140, binding = 6) uniform LayerUniform { LayerBlock layers; };\n"
               "layout(std430, binding = 4) buffer Out { float result; };\n"
               "void main() { result = frame.point_size_samples + draw.handedness + material.metallic + "
               "ground.level; }\n");
@@ -198,8 +200,8 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
        FURNACE_MEMBER(MaterialBlock, normal_scale), FURNACE_MEMBER(MaterialBlock, occlusion_strength),
        FURNACE_MEMBER(MaterialBlock, alpha_cutoff), FURNACE_MEMBER(MaterialBlock, double_sided),
        FURNACE_MEMBER(MaterialBlock, uv_sets), FURNACE_MEMBER(MaterialBlock, map_width),
-       FURNACE_MEMBER(MaterialBlock, map_height), FURNACE_MEMBER(MaterialBlock, pad_0),
-       FURNACE_MEMBER(MaterialBlock, pad_1), FURNACE_MEMBER(MaterialBlock, pad_2),
+       FURNACE_MEMBER(MaterialBlock, map_height), FURNACE_MEMBER(MaterialBlock, shadow_opacity),
+       FURNACE_MEMBER(MaterialBlock, pad_0), FURNACE_MEMBER(MaterialBlock, pad_1),
        FURNACE_MEMBER(MaterialBlock, uv_rows)},
       sizeof(MaterialBlock));
   expect_layout(program.id(), "GroundUniform",
@@ -208,6 +210,16 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
                  FURNACE_MEMBER(GroundBlock, pad_1), FURNACE_MEMBER(GroundBlock, light),
                  FURNACE_MEMBER(GroundBlock, weight)},
                 sizeof(GroundBlock));
+  using gpu::LayerBlock;
+  expect_layout(program.id(), "LayerUniform",
+                {FURNACE_MEMBER(LayerBlock, specular), FURNACE_MEMBER(LayerBlock, clearcoat),
+                 FURNACE_MEMBER(LayerBlock, sheen), FURNACE_MEMBER(LayerBlock, anisotropy),
+                 FURNACE_MEMBER(LayerBlock, iridescence), FURNACE_MEMBER(LayerBlock, transmission),
+                 FURNACE_MEMBER(LayerBlock, absorption), FURNACE_MEMBER(LayerBlock, diffuse_transmission),
+                 FURNACE_MEMBER(LayerBlock, glossy), FURNACE_MEMBER(LayerBlock, uv_sets),
+                 FURNACE_MEMBER(LayerBlock, is_phong), FURNACE_MEMBER(LayerBlock, pad_0),
+                 FURNACE_MEMBER(LayerBlock, pad_1), FURNACE_MEMBER(LayerBlock, uv_rows)},
+                sizeof(LayerBlock));
   using gpu::LightBlock;
   expect_layout(program.id(), "LightUniform",
                 {FURNACE_MEMBER(LightBlock, count), FURNACE_MEMBER(LightBlock, shadow_texel),
@@ -227,6 +239,13 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
                  FURNACE_MEMBER(FrameBlock, background_from_world),
                  FURNACE_MEMBER(FrameBlock, origin_from_ndc),
                  FURNACE_MEMBER(FrameBlock, ground_from_ndc),
+                 FURNACE_MEMBER(FrameBlock, backdrop_from_world),
+                 FURNACE_MEMBER(FrameBlock, background_top),
+                 FURNACE_MEMBER(FrameBlock, background_bottom),
+                 FURNACE_MEMBER(FrameBlock, backdrop_kind),
+                 FURNACE_MEMBER(FrameBlock, background_share),
+                 FURNACE_MEMBER(FrameBlock, pad_0),
+                 FURNACE_MEMBER(FrameBlock, pad_1),
                  FURNACE_MEMBER(FrameBlock, eye_world),
                  FURNACE_MEMBER(FrameBlock, towards_viewer_world),
                  FURNACE_MEMBER(FrameBlock, level_tiles),
