@@ -55,6 +55,7 @@ struct Surface {
 #if FEATURE_TRANSMISSION
   float transmission;
   float thickness_m;  // of the volume behind, world
+  float transmitted_roughness;  // perceptual, of the lobe behind
   float roundness;    // 0: the volume is a pane, 1: a ball
 #endif
 #if FEATURE_DIFFUSE_TRANSMISSION
@@ -173,7 +174,7 @@ Surface read_surface(Attributes a) {
   read_sheen(a, s);
 #endif
 #if FEATURE_TRANSMISSION
-  read_transmission(a, s);
+  read_transmission(a, roughness, s);
 #endif
 #if FEATURE_DIFFUSE_TRANSMISSION
   read_diffuse_transmission(a, s);

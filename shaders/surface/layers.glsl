@@ -112,9 +112,13 @@ void read_sheen(Attributes a, inout Surface s) {
 
 #if FEATURE_TRANSMISSION
 // KHR_materials_transmission, KHR_materials_volume.
-void read_transmission(Attributes a, inout Surface s) {
+void read_transmission(Attributes a, float perceptual_roughness, inout Surface s) {
   s.transmission = layers.transmission.x * LAYER_MAP(transmission_map, 10u).r;
   s.thickness_m = layers.transmission.z * LAYER_MAP(thickness_map, 11u).g * a.world_from_model_scale;
+  // A thin wall does not bend rays however its normal turns; and what does not bend light does not scatter it
+  // (KHR_materials_volume's renderers).
+  s.transmitted_roughness =
+      (s.thickness_m > 0.0 ? sqrt(s.alpha) : perceptual_roughness) * clamp(2.0 * layers.transmission.y - 2.0, 0.0, 1.0);
   // Of a sphere as thick as this the curvature is 2 / thickness; a flat pane has none.
   s.roundness = clamp(0.5 * s.thickness_m * sqrt(a.curvature2), 0.0, 1.0);
 }

@@ -90,9 +90,7 @@ float anisotropic_lobe(Surface s, vec3 l, float radius_rad, float VoH, vec3 h) {
 // lobe of a light behind the surface is that of its mirror image before it.
 float transmitted_lobe(Surface s, vec3 towards, float radius_rad) {
   vec3 image = reflect(towards, s.normal);
-  float ior = layers.transmission.y;
-  float roughness = sqrt(s.alpha) * clamp(2.0 * ior - 2.0, 0.0, 1.0);
-  float a = max(roughness * roughness, 1e-3);
+  float a = max(s.transmitted_roughness * s.transmitted_roughness, 1e-3);
   vec3 l = representative_direction(image, radius_rad, reflect(-s.to_viewer, s.normal));
   vec3 h = normalize(l + s.to_viewer);
   float NoL = dot(s.normal, l);

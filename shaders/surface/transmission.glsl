@@ -63,8 +63,6 @@ vec4 covering(Surface s, vec4 radiance) {
 // `weight`: what the surface lets through, by colour.
 void add_transmitted(Surface s, vec3 weight, inout vec3 through, inout vec3 see_through) {
   float ior = layers.transmission.y;
-  // A surface that does not bend light does not scatter it either (KHR_materials_volume's renderers).
-  float roughness = sqrt(s.alpha) * clamp(2.0 * ior - 2.0, 0.0, 1.0);
   weight *= exp(-layers.absorption.rgb * s.thickness_m);
   // KHR_materials_dispersion: the index of refraction at the ends of the spectrum.
   float half_spread = s.thickness_m > 0.0 ? (ior - 1.0) * 0.025 * layers.transmission.w : 0.0;
@@ -73,7 +71,7 @@ void add_transmitted(Surface s, vec3 weight, inout vec3 through, inout vec3 see_
   for (int i = 0; i < rays; ++i) {
     vec3 channels = rays == 1 ? vec3(1.0) : vec3(equal(ivec3(i), ivec3(0, 1, 2)));
     vec3 behind;
-    vec4 seen = seen_through(s, ior + (rays == 1 ? 0.0 : float(i - 1) * half_spread), roughness, behind);
+    vec4 seen = seen_through(s, ior + (rays == 1 ? 0.0 : float(i - 1) * half_spread), s.transmitted_roughness, behind);
     radiance += channels * (seen.rgb + (1.0 - seen.a) * behind);
     background_share += channels * (1.0 - seen.a);
   }
