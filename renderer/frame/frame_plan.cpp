@@ -1,6 +1,7 @@
 #include "renderer/frame/frame_plan.hpp"
 
 #include "renderer/frame/exposure.hpp"
+#include "renderer/frame/pixel_filter.hpp"
 #include "renderer/frame/white_balance.hpp"
 
 #include <algorithm>
@@ -55,6 +56,7 @@ FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev) {
   plan.tiles = cut_tiles(plan.picture, max_tile_px);
   plan.tile_size = {std::min(max_tile_px, plan.picture.width), std::min(max_tile_px, plan.picture.height)};
   for (int i = 0; i < spec.output.samples; ++i) plan.jitter_px.push_back(r2_offset(i));
+  plan.weights = warp_by_filter(spec.output.pixel_filter, plan.jitter_px);
 
   plan.exposure_ev = exposure_ev(spec.camera, auto_ev);
   plan.exposure = std::exp2(plan.exposure_ev);
@@ -79,6 +81,8 @@ FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev) {
     plan.shadow_strength = environment.ground->shadow_strength;
     plan.projection = environment.ground->projection;
   }
+  if (const auto& bloom = spec.output.bloom)
+    plan.bloom = PlannedBloom{bloom->source, float(bloom->intensity), float(bloom->threshold), {}};
   plan.tone_map = spec.output.tone_map;
   plan.film_type = film_type(spec.output);
   return plan;

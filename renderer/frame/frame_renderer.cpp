@@ -16,6 +16,17 @@ double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
+PassContext emission_of(PassContext pass) {
+  pass.emission = true;
+  return pass;
+}
+
+void shade_and_accumulate(const PassContext& pass, std::size_t subframe) {
+  pass_veil(pass);
+  pass_shade(pass);
+  pass_accumulate(pass, subframe);
+}
+
 }  // namespace
 
 FrameRenderer::FrameRenderer(gl::Context& context, gl::ProgramCache& programs)
@@ -27,8 +38,11 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
   const GroundRectangle* ground_map =
       scene.ground_shadow != nullptr ? &scene.ground_shadow->rectangle : nullptr;
   const std::size_t subframes = plan.jitter_px.size();
-  provide_targets(context_, plan, {!scene.blended.empty() || !scene.strokes.empty(), subframes > 1},
-                  targets_);
+  const bool emission = plan.bloom && plan.bloom->source == BloomSource::kEmission;
+  provide_targets(context_, plan,
+                  {!scene.blended.empty() || !scene.strokes.empty(), subframes > 1, emission}, targets_);
+  gl::Texture glow;
+  if (plan.bloom && !plan.glow_only) glow = gl::upload_texture(context_, plan.bloom->glow, false);
   FrameResult result;
   result.pixels = make_image(plan.picture, 4, plan.film_type,
                              plan.scene_linear() ? ColorSpace::kLinear : ColorSpace::kSrgb);
@@ -40,7 +54,7 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
       const gl::Buffer uniform = gl::create_buffer(context_, &frame, sizeof frame);
       glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniform.id());
       const PassContext pass{context_, programs_, residency,           plan, *targets_,
-                             scene,    tile,      empty_vertex_array_, frame};
+                             scene,    tile,      empty_vertex_array_, frame, &glow};
       gl::Buffer light_uniform;
       if (!prepared.lights.empty()) {
         const LightPlan lights =
@@ -52,9 +66,8 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
         if (subframes > 1 || &tile == &plan.tiles.front()) pass_shadow(pass, lights);
       }
       pass_visibility(pass);
-      pass_veil(pass);
-      pass_shade(pass);
-      pass_accumulate(pass, subframe == 0);
+      if (emission) shade_and_accumulate(emission_of(pass), subframe);
+      if (!(emission && plan.glow_only)) shade_and_accumulate(pass, subframe);
       glFinish();
       if (subframe + 1 == subframes) pass_resolve(pass);
     }

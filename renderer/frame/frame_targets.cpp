@@ -65,6 +65,8 @@ void provide_targets(gl::Context& context, const FramePlan& plan, TargetNeeds ne
   }
   if (needs.accumulated && !targets->accumulated)
     targets->accumulated = create_color_target(context, kRadiance, plan.tile_size);
+  if (needs.emission && !targets->emission)
+    targets->emission = create_color_target(context, kRadiance, plan.tile_size);
 }
 
 void provide_shadows(gl::Context& context, int side_px, int views, FrameTargets& targets) {

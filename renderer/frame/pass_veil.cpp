@@ -6,7 +6,7 @@ namespace furnace {
 namespace {
 
 void bind(const PassContext& pass, const Draw& draw) {
-  bind_program(pass, "surface/forward.vert", "surface/forward.frag", draw.features);
+  bind_program(pass, "surface/forward.vert", "surface/forward.frag", draw.features | pass.shown());
   bind_draw(pass.scene, draw);
 }
 

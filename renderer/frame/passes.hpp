@@ -20,8 +20,11 @@ struct PassContext {
   Tile tile;
   const gl::VertexArray& empty_vertex_array;
   const gpu::FrameBlock& frame;
+  const gl::Texture* glow = nullptr;  // of the whole picture, where there is bloom
+  bool emission = false;              // nothing is drawn but what surfaces emit
 
   bool veiled() const { return !scene.blended.empty() || !scene.strokes.empty(); }
+  gl::FeatureSet shown() const { return emission ? gl::FeatureSet(gl::kFeatureEmission) : 0; }
 };
 
 // What each view of `lights` sees of the scene, into its shadow map.
@@ -32,10 +35,11 @@ void pass_visibility(const PassContext& pass);
 void pass_veil(const PassContext& pass);
 // Shades what is visible: once a pixel and surface.
 void pass_shade(const PassContext& pass);
-// Composes the sub-frame with veil and background and adds it into the accumulated frame; the first one replaces it. A lone
-// sub-frame is not accumulated.
-void pass_accumulate(const PassContext& pass, bool first);
-// Exposure, tone curve and transfer function of the accumulated frame (or of the lone sub-frame, composed) into the film.
+// Composes the sub-frame with veil and background and adds it into the accumulated frame by its weight; the first one replaces
+// it. A lone sub-frame is not accumulated, but for its emission.
+void pass_accumulate(const PassContext& pass, std::size_t subframe);
+// Exposure, bloom, tone curve and transfer function of the accumulated frame (or of the lone sub-frame, composed) into the
+// film; of a plan for the glow, what glows.
 void pass_resolve(const PassContext& pass);
 
 }  // namespace furnace

@@ -25,6 +25,8 @@ enum Feature : FeatureSet {
   kFeatureGroundProjection = 1u << 14,
   kFeatureGroundShadow = 1u << 15,
   kFeatureGrade = 1u << 16,
+  kFeatureBloom = 1u << 17,
+  kFeatureEmission = 1u << 18,
 };
 
 }  // namespace furnace::gl

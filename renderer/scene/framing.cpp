@@ -153,7 +153,7 @@ View orbit_perspective(const OrbitCamera& orbit, const glm::dmat3& axes, const S
   const glm::dvec3 eye = axes * glm::dvec3(support.x.centre(), support.y.centre(), eye_z);
   const double z_near = near_plane(eye_z - tight.z_max, eye_z - tight.z_min);
   return {view_from_axes(axes, eye), perspective_reversed(orbit.fov_y_rad, aspect, z_near, kInfinity),
-          glm::vec3(eye), false};
+          glm::vec3(eye), false, {}};
 }
 
 View orbit_orthographic(const OrbitCamera& orbit, const glm::dmat3& axes, const Scene& scene, double aspect) {
@@ -165,7 +165,7 @@ View orbit_orthographic(const OrbitCamera& orbit, const glm::dmat3& axes, const 
   const glm::dvec3 eye = axes * glm::dvec3(box.x.centre(), box.y.centre(), box.z_max + size);
   const double depth = box.z_max - box.z_min;
   return {view_from_axes(axes, eye),
-          orthographic_reversed(half * aspect, half, 0.5 * size, 1.5 * size + depth), glm::vec3(eye), true};
+          orthographic_reversed(half * aspect, half, 0.5 * size, 1.5 * size + depth), glm::vec3(eye), true, {}};
 }
 
 View view_of(const OrbitCamera& orbit, const Scene& scene, double aspect) {
@@ -184,7 +184,7 @@ View view_of(const LookAtCamera& camera, const Scene& scene, double aspect) {
   const double eye_z = glm::dot(axes[2], glm::dvec3(camera.eye));
   const double farthest = std::max(eye_z - box.z_min, box.size());
   const double z_near = near_plane(eye_z - box.z_max, farthest);
-  return {view, perspective_reversed(camera.fov_y_rad, aspect, z_near, kInfinity), camera.eye, false};
+  return {view, perspective_reversed(camera.fov_y_rad, aspect, z_near, kInfinity), camera.eye, false, {}};
 }
 
 const CameraNode& find_camera(const GltfCamera& camera, const Scene& scene) {
@@ -231,13 +231,55 @@ View view_of(const GltfCamera& spec, const Scene& scene, double aspect) {
   const glm::dmat4 world_from_view(camera.world_from_view);
   const glm::dvec3 eye(world_from_view[3]);
   return {view_from_axes(axes_without_scale(world_from_view), eye), clip_from_view(camera, aspect),
-          glm::vec3(eye), camera.orthographic};
+          glm::vec3(eye), camera.orthographic, {}};
+}
+
+// Along the viewing direction.
+double focus_distance(const DepthOfField& spec, const View& view, const Scene& scene) {
+  if (spec.focus_distance_m) return *spec.focus_distance_m;
+  const glm::dmat3 axes(glm::transpose(glm::mat3(view.view_from_world)));
+  const double eye_z = glm::dot(axes[2], glm::dvec3(view.eye));
+  if (spec.focus_point) {
+    const double distance_m = eye_z - glm::dot(axes[2], glm::dvec3(*spec.focus_point));
+    if (distance_m > 0) return distance_m;
+    fail(ErrorCode::kUnprocessable, "lies behind the camera: nothing can be focused there",
+         "/camera/depthOfField/focusPoint");
+  }
+  const Support box = support_of(scene, axes, {0, 0});
+  const double distance_m = eye_z - (box.z_min + box.z_max) / 2;
+  if (distance_m > 0) return distance_m;
+  fail(ErrorCode::kUnprocessable,
+       "the middle of the scene lies behind the camera: give focusDistanceMetres or focusPoint",
+       "/camera/depthOfField");
+}
+
+Lens lens_of(const DepthOfField& spec, const View& view, const Scene& scene) {
+  if (view.orthographic)
+    fail(ErrorCode::kUnprocessable, "an orthographic camera has no lens: leave it out, or the projection",
+         "/camera/depthOfField");
+  return make_lens(spec, 1 / double(view.clip_from_view[1][1]), focus_distance(spec, view, scene));
 }
 
 }  // namespace
 
 View make_view(const CameraSpec& camera, const Scene& scene, Extent picture) {
-  return std::visit([&](const auto& view) { return view_of(view, scene, aspect_of(picture)); }, camera.view);
+  View view =
+      std::visit([&](const auto& kind) { return view_of(kind, scene, aspect_of(picture)); }, camera.view);
+  if (camera.depth_of_field) view.lens = lens_of(*camera.depth_of_field, view, scene);
+  return view;
+}
+
+View through_lens(const View& view, glm::dvec2 place_m) {
+  View moved = view;
+  const glm::dmat3 axes(glm::transpose(glm::mat3(view.view_from_world)));
+  const glm::dvec3 eye = glm::dvec3(view.eye) + axes[0] * place_m.x + axes[1] * place_m.y;
+  glm::dmat4 sheared_from_view(1);
+  sheared_from_view[2][0] = -place_m.x / view.lens.focus_m;
+  sheared_from_view[2][1] = -place_m.y / view.lens.focus_m;
+  moved.view_from_world = view_from_axes(axes, eye);
+  moved.clip_from_view = glm::mat4(glm::dmat4(view.clip_from_view) * sheared_from_view);
+  moved.eye = glm::vec3(eye);
+  return moved;
 }
 
 }  // namespace furnace

@@ -6,7 +6,11 @@
 #endif
 
 vec3 surface_radiance(Surface s) {
-#if FEATURE_UNLIT
+#if FEATURE_EMISSION && FEATURE_UNLIT
+  return vec3(0.0);
+#elif FEATURE_EMISSION
+  return s.emissive;
+#elif FEATURE_UNLIT
   return s.base_color.rgb;
 #else
   vec3 radiance = s.emissive + environment_light(s.base_color.rgb, s.metallic, s.alpha, s.occlusion, s.normal,

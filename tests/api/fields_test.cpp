@@ -107,7 +107,11 @@ TEST(Fields, OnlyOptionalThingsHaveNoDefault) {
         leaf.path == "/environment/ground/projection/radiusMetres" || leaf.path == "/camera/gltf" ||
         leaf.path == "/camera/ev100" || leaf.path == "/camera/aperture" ||
         leaf.path == "/camera/shutterSeconds" || leaf.path == "/output/samples" ||
-        leaf.path == "/output/exrCompression";
+        leaf.path == "/output/exrCompression" || leaf.path == "/output/pixelFilter/type" ||
+        leaf.path == "/output/pixelFilter/radiusPixels" ||
+        leaf.path == "/camera/depthOfField/apertureDiameterMetres" ||
+        leaf.path == "/camera/depthOfField/focusDistanceMetres" ||
+        leaf.path == "/camera/depthOfField/focusPoint";
     EXPECT_NE(stated, needs_none) << leaf.path;
   }
 }
