@@ -81,19 +81,17 @@ void check_limits(const Value& output, const RequestLimits& limits, const Output
   for (const auto& [key, side_px] : sides) {
     if (side_px <= limits.max_side_px) continue;
     sides_fit = false;
-    faults.add(
-        ErrorCode::kTooLarge, output[key],
-        fmt::format("{} px are more than this server's {} px a side", side_px, limits.max_side_px));
+    faults.add(ErrorCode::kTooLarge, output[key],
+               fmt::format("{} px are more than this server's {} px a side", side_px, limits.max_side_px));
   }
   if (const std::int64_t area_px = Extent{spec.width, spec.height}.area();
       sides_fit && area_px > limits.max_area_px)
     faults.add(ErrorCode::kTooLarge, output,
-                fmt::format("{} x {} = {} px are more than this server's {} px a picture", spec.width,
-                            spec.height, area_px, limits.max_area_px));
+               fmt::format("{} x {} = {} px are more than this server's {} px a picture", spec.width,
+                           spec.height, area_px, limits.max_area_px));
   if (spec.samples > limits.max_samples)
-    faults.add(
-        ErrorCode::kTooLarge, output[output["samples"] ? "samples" : "quality"],
-        fmt::format("{} samples are more than this server's {}", spec.samples, limits.max_samples));
+    faults.add(ErrorCode::kTooLarge, output[output["samples"] ? "samples" : "quality"],
+               fmt::format("{} samples are more than this server's {}", spec.samples, limits.max_samples));
 }
 
 }  // namespace
@@ -122,7 +120,8 @@ void read_camera(const Value& value, CameraSpec& spec, Faults& faults) {
     read_degrees(fov, camera.fov_y_rad);
   }
   read_exposure(value, spec, faults);
-  if (const Value lens = value["depthOfField"]) read_depth_of_field(lens, spec.depth_of_field.emplace(), faults);
+  if (const Value lens = value["depthOfField"])
+    read_depth_of_field(lens, spec.depth_of_field.emplace(), faults);
 }
 
 void read_output(const Value& value, const RequestLimits& limits, OutputSpec& spec, Faults& faults) {

@@ -94,10 +94,10 @@ Plane doubled(const Plane& plane) {
   twice.values.resize(twice.stride() * twice.height);
   for (std::size_t y = 0; y < twice.height; ++y) {
     for (std::size_t x = 0; x < twice.width; ++x) {
-      const std::array<std::size_t, 2> columns{x / 2, reflected(std::ptrdiff_t(x / 2) + (x % 2 == 0 ? -1 : 1),
-                                                                plane.width)};
-      const std::array<std::size_t, 2> rows{y / 2, reflected(std::ptrdiff_t(y / 2) + (y % 2 == 0 ? -1 : 1),
-                                                             plane.height)};
+      const std::array<std::size_t, 2> columns{
+          x / 2, reflected(std::ptrdiff_t(x / 2) + (x % 2 == 0 ? -1 : 1), plane.width)};
+      const std::array<std::size_t, 2> rows{
+          y / 2, reflected(std::ptrdiff_t(y / 2) + (y % 2 == 0 ? -1 : 1), plane.height)};
       for (std::size_t corner = 0; corner < 4; ++corner)
         add_scaled(&plane.values[rows[corner / 2] * plane.stride() + columns[corner % 2] * kChannels],
                    (corner / 2 == 0 ? 0.75f : 0.25f) * (corner % 2 == 0 ? 0.75f : 0.25f), kChannels,
@@ -109,7 +109,8 @@ Plane doubled(const Plane& plane) {
 
 // The same picture ever wider blurred, ever smaller: standard deviations of `widest_px` (along x and y) / 16, / 8 ... / 1.
 std::vector<Plane> gaussian_pyramid(Plane plane, glm::dvec2 widest_px) {
-  constexpr double kSmoothPx = 4;  // so wide a Gaussian has nothing left that half as many texels could not hold
+  constexpr double kSmoothPx =
+      4;  // so wide a Gaussian has nothing left that half as many texels could not hold
   std::vector<Plane> levels;
   glm::dvec2 variance(0);  // of what was done already, px^2
   for (int i = 0; i < kGaussians; ++i) {
@@ -128,8 +129,9 @@ std::vector<Plane> gaussian_pyramid(Plane plane, glm::dvec2 widest_px) {
 
 }  // namespace
 
-FramePlan plan_glow(RenderSpec spec, int max_tile_px, double auto_ev) {
-  OutputSpec& output = spec.output;
+FramePlan plan_glow(const RenderSpec& spec, int max_tile_px, double auto_ev) {
+  RenderSpec small = spec;
+  OutputSpec& output = small.output;
   FURNACE_CHECK(output.bloom.has_value(), "a glow of {} samples", output.samples);
   const double steps = double(kHeightPx) * output.width / output.height / kWidthStepPx;
   output.width = std::clamp(int(std::ceil(steps)) * kWidthStepPx, kWidthStepPx, kLargestWidthPx);
@@ -138,7 +140,7 @@ FramePlan plan_glow(RenderSpec spec, int max_tile_px, double auto_ev) {
   output.pixel_filter = {};
   output.format = OutputFormat::kExr;
   output.exr_type = SampleType::kFloat32;
-  FramePlan plan = plan_frame(spec, max_tile_px, auto_ev);
+  FramePlan plan = plan_frame(small, max_tile_px, auto_ev);
   plan.glow_only = true;
   return plan;
 }

@@ -27,7 +27,7 @@ struct PlannedGrade {
 struct PlannedBloom {
   BloomSource source = BloomSource::kAll;
   float intensity = 0, threshold = 0;  // share; exposed radiance
-  Image glow;                          // exposed radiance of the whole picture before `intensity`, RGBA kFloat32
+  Image glow;  // exposed radiance of the whole picture before `intensity`, RGBA kFloat32
 };
 
 struct FramePlan {

@@ -39,8 +39,8 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
       scene.ground_shadow != nullptr ? &scene.ground_shadow->rectangle : nullptr;
   const std::size_t subframes = plan.jitter_px.size();
   const bool emission = plan.bloom && plan.bloom->source == BloomSource::kEmission;
-  provide_targets(context_, plan,
-                  {!scene.blended.empty() || !scene.strokes.empty(), subframes > 1, emission}, targets_);
+  provide_targets(context_, plan, {!scene.blended.empty() || !scene.strokes.empty(), subframes > 1, emission},
+                  targets_);
   gl::Texture glow;
   if (plan.bloom && !plan.glow_only) glow = gl::upload_texture(context_, plan.bloom->glow, false);
   FrameResult result;
@@ -53,7 +53,7 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
       const gpu::FrameBlock frame = pack_frame(plan, view, prepared, ground_map, tile, subframe);
       const gl::Buffer uniform = gl::create_buffer(context_, &frame, sizeof frame);
       glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniform.id());
-      const PassContext pass{context_, programs_, residency,           plan, *targets_,
+      const PassContext pass{context_, programs_, residency,           plan,  *targets_,
                              scene,    tile,      empty_vertex_array_, frame, &glow};
       gl::Buffer light_uniform;
       if (!prepared.lights.empty()) {

@@ -153,7 +153,7 @@ View orbit_perspective(const OrbitCamera& orbit, const glm::dmat3& axes, const S
   const glm::dvec3 eye = axes * glm::dvec3(support.x.centre(), support.y.centre(), eye_z);
   const double z_near = near_plane(eye_z - tight.z_max, eye_z - tight.z_min);
   return {view_from_axes(axes, eye), perspective_reversed(orbit.fov_y_rad, aspect, z_near, kInfinity),
-          glm::vec3(eye), false, {}};
+          glm::vec3(eye), false};
 }
 
 View orbit_orthographic(const OrbitCamera& orbit, const glm::dmat3& axes, const Scene& scene, double aspect) {
@@ -165,7 +165,7 @@ View orbit_orthographic(const OrbitCamera& orbit, const glm::dmat3& axes, const 
   const glm::dvec3 eye = axes * glm::dvec3(box.x.centre(), box.y.centre(), box.z_max + size);
   const double depth = box.z_max - box.z_min;
   return {view_from_axes(axes, eye),
-          orthographic_reversed(half * aspect, half, 0.5 * size, 1.5 * size + depth), glm::vec3(eye), true, {}};
+          orthographic_reversed(half * aspect, half, 0.5 * size, 1.5 * size + depth), glm::vec3(eye), true};
 }
 
 View view_of(const OrbitCamera& orbit, const Scene& scene, double aspect) {
@@ -184,7 +184,7 @@ View view_of(const LookAtCamera& camera, const Scene& scene, double aspect) {
   const double eye_z = glm::dot(axes[2], glm::dvec3(camera.eye));
   const double farthest = std::max(eye_z - box.z_min, box.size());
   const double z_near = near_plane(eye_z - box.z_max, farthest);
-  return {view, perspective_reversed(camera.fov_y_rad, aspect, z_near, kInfinity), camera.eye, false, {}};
+  return {view, perspective_reversed(camera.fov_y_rad, aspect, z_near, kInfinity), camera.eye, false};
 }
 
 const CameraNode& find_camera(const GltfCamera& camera, const Scene& scene) {
@@ -231,7 +231,7 @@ View view_of(const GltfCamera& spec, const Scene& scene, double aspect) {
   const glm::dmat4 world_from_view(camera.world_from_view);
   const glm::dvec3 eye(world_from_view[3]);
   return {view_from_axes(axes_without_scale(world_from_view), eye), clip_from_view(camera, aspect),
-          glm::vec3(eye), camera.orthographic, {}};
+          glm::vec3(eye), camera.orthographic};
 }
 
 // Along the viewing direction.

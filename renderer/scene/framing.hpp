@@ -13,7 +13,7 @@ struct View {
   glm::mat4 clip_from_view{1};  // reversed depth, see transform.hpp
   glm::vec3 eye{0};             // m, world
   bool orthographic = false;
-  Lens lens;
+  Lens lens = {};
 };
 
 // Orbit: the nearest eye from which every vertex of the scene (not of its box or sphere) lies in the frame

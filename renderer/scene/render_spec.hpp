@@ -136,20 +136,20 @@ struct AutoExposure {};  // by the picture's own mean
 // A thin lens in place of the pinhole: what is not at the distance of focus is blurred. Of an opening with an f-number the
 // focal length is the one whose field of view on the sensor is the camera's, focused at infinity.
 struct DepthOfField {
-  double f_stop = 2.8;             // focal length over diameter
-  double sensor_height_m = 0.024;  // of 35 mm film
+  double f_stop = 2.8;                        // focal length over diameter
+  double sensor_height_m = 0.024;             // of 35 mm film
   std::optional<double> aperture_diameter_m;  // in place of f_stop
   std::optional<double> focus_distance_m;     // along the viewing direction
   std::optional<glm::vec3> focus_point;       // in place of a distance; neither: the middle of the scene
-  int blades = 0;                             // 0: a round opening; else corners of a regular polygon inscribed in it
-  double blade_rotation_rad = 0;              // counter-clockwise as seen by the camera; 0: a corner points up
+  int blades = 0;                 // 0: a round opening; else corners of a regular polygon inscribed in it
+  double blade_rotation_rad = 0;  // counter-clockwise as seen by the camera; 0: a corner points up
 };
 
 struct CameraSpec {
   std::variant<OrbitCamera, LookAtCamera, GltfCamera> view = OrbitCamera{};
   std::variant<UnmeteredExposure, PhysicalExposure, AutoExposure> metering;
   double exposure_ev = 0;  // stops, more than what is metered
-  std::optional<DepthOfField> depth_of_field;
+  std::optional<DepthOfField> depth_of_field = {};
 };
 
 enum class OutputFormat { kPng, kExr, kJpeg, kWebp };
