@@ -61,8 +61,7 @@ GlOutcome draw_on_gl_thread(RenderWorld& world, const RenderSpec& spec, const Pr
     auto_ev = metered_ev(draw(plan_meter(spec, max_tile_px)));
   FramePlan plan = plan_frame(spec, max_tile_px, auto_ev);
   if (plan.bloom)
-    plan.bloom->glow =
-        spread_glow(draw(plan_glow(spec, max_tile_px, auto_ev)), *spec.output.bloom, plan.picture);
+    plan.bloom->glow = spread_glow(draw(plan_glow(plan, max_tile_px)), *spec.output.bloom, plan.picture);
   outcome.frame.pixels = draw(plan);
   outcome.exposure_ev = plan.exposure_ev;
   if (context.lost()) outcome.kind = GlOutcome::Kind::kContextLost;

@@ -129,20 +129,16 @@ std::vector<Plane> gaussian_pyramid(Plane plane, glm::dvec2 widest_px) {
 
 }  // namespace
 
-FramePlan plan_glow(const RenderSpec& spec, int max_tile_px, double auto_ev) {
-  RenderSpec small = spec;
-  OutputSpec& output = small.output;
-  FURNACE_CHECK(output.bloom.has_value(), "a glow of {} samples", output.samples);
-  const double steps = double(kHeightPx) * output.width / output.height / kWidthStepPx;
-  output.width = std::clamp(int(std::ceil(steps)) * kWidthStepPx, kWidthStepPx, kLargestWidthPx);
-  output.height = kHeightPx;
-  output.samples = std::min(output.samples, kMostSamples);
-  output.pixel_filter = {};
-  output.format = OutputFormat::kExr;
-  output.exr_type = SampleType::kFloat32;
-  FramePlan plan = plan_frame(small, max_tile_px, auto_ev);
-  plan.glow_only = true;
-  return plan;
+FramePlan plan_glow(const FramePlan& plan, int max_tile_px) {
+  FURNACE_CHECK(plan.bloom.has_value(), "a glow of {} sub-frames", plan.jitter_px.size());
+  FramePlan small = plan;
+  const double steps = double(kHeightPx) * plan.picture.width / plan.picture.height / kWidthStepPx;
+  const int width = std::clamp(int(std::ceil(steps)) * kWidthStepPx, kWidthStepPx, kLargestWidthPx);
+  set_picture(small, {width, kHeightPx}, max_tile_px);
+  set_samples(small, std::min(int(plan.jitter_px.size()), kMostSamples), {});
+  small.film_type = SampleType::kFloat32;
+  small.glow_only = true;
+  return small;
 }
 
 // Spencer, Shirley, Zimmerman and Greenberg 1995, "Physically-Based Glare Effects for Digital Images": light that lens and eye

@@ -6,8 +6,8 @@
 
 namespace furnace {
 
-// What is drawn for the glow of the picture of `spec`, which has bloom: what exceeds the threshold, exposed.
-FramePlan plan_glow(const RenderSpec& spec, int max_tile_px, double auto_ev);
+// What is drawn for the glow of the picture that `plan`, which has bloom, draws: what exceeds the threshold, exposed.
+FramePlan plan_glow(const FramePlan& plan, int max_tile_px);
 
 // What plan_glow() drew (RGBA kFloat32), spread; its sum stays. `picture`: the size for which it is. Pure. Threads: any.
 Image spread_glow(const Image& bright, const Bloom& bloom, Extent picture);

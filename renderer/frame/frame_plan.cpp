@@ -50,13 +50,22 @@ glm::vec2 r2_offset(int i) {
   return {float(x - std::floor(x) - 0.5), float(y - std::floor(y) - 0.5)};
 }
 
+void set_picture(FramePlan& plan, Extent picture, int max_tile_px) {
+  plan.picture = picture;
+  plan.tiles = cut_tiles(picture, max_tile_px);
+  plan.tile_size = {std::min(max_tile_px, picture.width), std::min(max_tile_px, picture.height)};
+}
+
+void set_samples(FramePlan& plan, int count, const PixelFilter& filter) {
+  plan.jitter_px.clear();
+  for (int i = 0; i < count; ++i) plan.jitter_px.push_back(r2_offset(i));
+  plan.weights = warp_by_filter(filter, plan.jitter_px);
+}
+
 FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev) {
   FramePlan plan;
-  plan.picture = {spec.output.width, spec.output.height};
-  plan.tiles = cut_tiles(plan.picture, max_tile_px);
-  plan.tile_size = {std::min(max_tile_px, plan.picture.width), std::min(max_tile_px, plan.picture.height)};
-  for (int i = 0; i < spec.output.samples; ++i) plan.jitter_px.push_back(r2_offset(i));
-  plan.weights = warp_by_filter(spec.output.pixel_filter, plan.jitter_px);
+  set_picture(plan, {spec.output.width, spec.output.height}, max_tile_px);
+  set_samples(plan, spec.output.samples, spec.output.pixel_filter);
 
   plan.exposure_ev = exposure_ev(spec.camera, auto_ev);
   plan.exposure = std::exp2(plan.exposure_ev);

@@ -57,6 +57,10 @@ struct FramePlan {
 // Place i of a fixed sequence that fills [-0.5, 0.5)^2 evenly however far it goes; place 0 is the middle.
 glm::vec2 r2_offset(int i);
 
+// The parts of a plan that its size and its samples decide.
+void set_picture(FramePlan& plan, Extent picture, int max_tile_px);
+void set_samples(FramePlan& plan, int count, const PixelFilter& filter);
+
 // Pixels are drawn in tiles of at most `max_tile_px` a side, so that memory does not grow with the picture. `auto_ev` is what a
 // meter said (stops), for a camera with automatic exposure.
 FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev = 0);

@@ -30,7 +30,7 @@ TEST(Bloom, TheSmallPictureHasOneHeight) {
   const auto planned = [&](int width, int height) {
     spec.output.width = width;
     spec.output.height = height;
-    const FramePlan plan = plan_glow(spec, 2048, 0);
+    const FramePlan plan = plan_glow(plan_frame(spec, 2048), 2048);
     EXPECT_TRUE(plan.glow_only);
     EXPECT_EQ(plan.film_type, SampleType::kFloat32);
     EXPECT_EQ(plan.jitter_px.size(), 16u);
