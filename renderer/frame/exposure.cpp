@@ -17,11 +17,12 @@ double exposure_ev_of_ev100(double ev100) {
 FramePlan plan_meter(const RenderSpec& spec, int max_tile_px) {
   constexpr int kSidePx = 256;
   FramePlan plan = scaled_plan(plan_frame(spec, max_tile_px), kSidePx);
-  plan.jitter_px.resize(1);
+  set_samples(plan, 1, {});
   plan.film_type = SampleType::kFloat32;
   plan.exposure_ev = 0;
   plan.exposure = 1;
   plan.grade.reset();
+  plan.bloom.reset();
   if (!std::holds_alternative<EnvironmentBackground>(spec.environment.background)) {
     plan.background_top = plan.background_bottom = glm::vec4(0);
     plan.opaque = false;

@@ -1,6 +1,7 @@
 #include "renderer/frame/frame_plan.hpp"
 
 #include "renderer/frame/exposure.hpp"
+#include "renderer/frame/pixel_filter.hpp"
 #include "renderer/frame/white_balance.hpp"
 
 #include <algorithm>
@@ -50,22 +51,30 @@ glm::vec2 r2_offset(int i) {
   return {float(x - std::floor(x) - 0.5), float(y - std::floor(y) - 0.5)};
 }
 
+void set_picture(FramePlan& plan, Extent picture, Extent largest_tile) {
+  plan.picture = picture;
+  plan.tile_size = {std::min(largest_tile.width, picture.width),
+                    std::min(largest_tile.height, picture.height)};
+  plan.tiles = cut_tiles(picture, plan.tile_size);
+}
+
 FramePlan scaled_plan(FramePlan plan, int max_side_px) {
   const double scale = std::min(1.0, double(max_side_px) / std::max(plan.picture.width, plan.picture.height));
   const auto scaled = [&](int side) { return std::max(1, int(std::lround(side * scale))); };
-  plan.picture = {scaled(plan.picture.width), scaled(plan.picture.height)};
-  plan.tile_size = {std::min(plan.tile_size.width, plan.picture.width),
-                    std::min(plan.tile_size.height, plan.picture.height)};
-  plan.tiles = cut_tiles(plan.picture, plan.tile_size);
+  set_picture(plan, {scaled(plan.picture.width), scaled(plan.picture.height)}, plan.tile_size);
   return plan;
+}
+
+void set_samples(FramePlan& plan, int count, const PixelFilter& filter) {
+  plan.jitter_px.clear();
+  for (int i = 0; i < count; ++i) plan.jitter_px.push_back(r2_offset(i));
+  plan.weights = warp_by_filter(filter, plan.jitter_px);
 }
 
 FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev) {
   FramePlan plan;
-  plan.picture = {spec.output.width, spec.output.height};
-  plan.tile_size = {std::min(max_tile_px, plan.picture.width), std::min(max_tile_px, plan.picture.height)};
-  plan.tiles = cut_tiles(plan.picture, plan.tile_size);
-  for (int i = 0; i < spec.output.samples; ++i) plan.jitter_px.push_back(r2_offset(i));
+  set_picture(plan, {spec.output.width, spec.output.height}, {max_tile_px, max_tile_px});
+  set_samples(plan, spec.output.samples, spec.output.pixel_filter);
 
   plan.exposure_ev = exposure_ev(spec.camera, auto_ev);
   plan.exposure = std::exp2(plan.exposure_ev);
@@ -90,6 +99,8 @@ FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev) {
     plan.shadow_strength = environment.ground->shadow_strength;
     plan.projection = environment.ground->projection;
   }
+  if (const auto& bloom = spec.output.bloom)
+    plan.bloom = PlannedBloom{bloom->source, float(bloom->intensity), float(bloom->threshold), {}};
   plan.tone_map = spec.output.tone_map;
   plan.film_type = film_type(spec.output);
   return plan;

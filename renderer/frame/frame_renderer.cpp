@@ -16,14 +16,26 @@ double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
+PassContext emission_of(PassContext pass) {
+  pass.emission = true;
+  return pass;
+}
+
+void shade_and_accumulate(const PassContext& pass, std::size_t subframe) {
+  pass_veil(pass);
+  pass_shade(pass);
+  pass_accumulate(pass, subframe);
+}
+
 }  // namespace
 
 FrameRenderer::FrameRenderer(gl::Context& context, gl::ProgramCache& programs)
     : context_(context), programs_(programs), empty_vertex_array_(gl::create_vertex_array(context)) {}
 
-// One sub-frame of one tile, accumulated where there are several or it is part of the backdrop.
+// One sub-frame of one tile, accumulated where there are several. `glow`: of the whole picture, empty where there is no bloom; null: the tile
+// is one of the backdrop.
 void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, const Tile& tile,
-                                  std::size_t subframe, bool is_backdrop) {
+                                  std::size_t subframe, const gl::Texture* glow) {
   check_deadline(job.deadline, "draw");
   const std::size_t subframes = plan.jitter_px.size();
   const GroundRectangle* ground_map =
@@ -31,25 +43,25 @@ void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, co
   const gpu::FrameBlock frame = pack_frame(plan, job.view, job.prepared, ground_map, tile, subframe);
   const gl::Buffer uniform = gl::create_buffer(context_, &frame, sizeof frame);
   glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniform.id());
-  const PassContext pass{context_,  programs_, job.residency,       plan,  *targets_,
-                         job.scene, tile,      empty_vertex_array_, frame, is_backdrop};
+  const PassContext pass{context_, programs_,           job.residency, plan, job.targets,    job.scene,
+                         tile,     empty_vertex_array_, frame,         glow, glow == nullptr};
   gl::Buffer light_uniform;
   if (!job.prepared.lights.empty()) {
     const LightPlan lights = plan_lights(job.prepared.lights, job.prepared.bounds, {tile.x, tile.y},
                                          int(subframe), int(subframes));
-    provide_shadows(context_, lights.side_px, std::max(lights.views, 1), *targets_);
+    provide_shadows(context_, lights.side_px, std::max(lights.views, 1), job.targets);
     light_uniform = gl::create_buffer(context_, &lights.block, sizeof lights.block);
     glBindBufferBase(GL_UNIFORM_BUFFER, kLightBinding, light_uniform.id());
     // A lone sub-frame's maps are the same for every tile.
     if (subframes > 1 || &tile == &plan.tiles.front()) pass_shadow(pass, lights);
   }
   pass_visibility(pass);
-  pass_veil(pass);
-  pass_shade(pass);
-  pass_accumulate(pass, subframe == 0);
+  const bool emission = !pass.is_backdrop && plan.bloom && plan.bloom->source == BloomSource::kEmission;
+  if (emission) shade_and_accumulate(emission_of(pass), subframe);
+  if (!(emission && plan.glow_only)) shade_and_accumulate(pass, subframe);
   glFinish();
   if (subframe + 1 < subframes) return;
-  if (is_backdrop) {
+  if (pass.is_backdrop) {
     pass_backdrop(pass);
   } else {
     pass_resolve(pass);
@@ -60,33 +72,38 @@ void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, co
 void FrameRenderer::draw_backdrop(const FrameJob& job) {
   constexpr int kMostSidePx = 2048;
   const FramePlan plan = scaled_plan(job.plan, kMostSidePx);
-  provide_backdrop(context_, plan.picture, *targets_);
+  provide_backdrop(context_, plan.picture, job.targets);
   for (const Tile& tile : plan.tiles) {
-    for (std::size_t i = 0; i < plan.jitter_px.size(); ++i) draw_subframe(job, plan, tile, i, true);
+    for (std::size_t i = 0; i < plan.jitter_px.size(); ++i) draw_subframe(job, plan, tile, i, nullptr);
   }
-  glGenerateTextureMipmap(targets_->backdrop->color.id());
+  glGenerateTextureMipmap(job.targets.backdrop->color.id());
 }
 
 FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, const View& view,
                                   const GpuScene& scene, const PreparedScene& prepared,
                                   const Deadline& deadline) {
-  const FrameJob job{residency, plan, view, scene, prepared, deadline};
   const std::size_t subframes = plan.jitter_px.size();
   const bool veil = !scene.blended.empty() || !scene.strokes.empty();
-  provide_targets(context_, plan, {veil, subframes > 1 || scene.seen_through}, targets_);
+  const bool emission = plan.bloom && plan.bloom->source == BloomSource::kEmission;
+  // The glow's are of one size or few, and kept beside the picture's.
+  std::optional<FrameTargets>& targets = plan.glow_only ? glow_targets_ : picture_targets_;
+  provide_targets(context_, plan, {veil, subframes > 1 || scene.nearest_glass_m, emission}, targets);
+  const FrameJob job{residency, plan, view, scene, prepared, deadline, *targets};
+  gl::Texture glow;
+  if (plan.bloom && !plan.glow_only) glow = gl::upload_texture(context_, plan.bloom->glow, false);
   FrameResult result;
   result.pixels = make_image(plan.picture, 4, plan.film_type,
                              plan.scene_linear() ? ColorSpace::kLinear : ColorSpace::kSrgb);
   const Clock::time_point backdrop_start = Clock::now();
-  if (scene.seen_through) draw_backdrop(job);
+  if (scene.nearest_glass_m) draw_backdrop(job);
   result.draw_ms += ms_since(backdrop_start);
   for (const Tile& tile : plan.tiles) {
     const Clock::time_point start = Clock::now();
-    for (std::size_t i = 0; i < subframes; ++i) draw_subframe(job, plan, tile, i, false);
+    for (std::size_t i = 0; i < subframes; ++i) draw_subframe(job, plan, tile, i, &glow);
     result.draw_ms += ms_since(start);
 
     const Clock::time_point read_start = Clock::now();
-    gl::read_pixels(context_, targets_->film.framebuffer, tile.size, result.pixels, tile.x, tile.y);
+    gl::read_pixels(context_, targets->film.framebuffer, tile.size, result.pixels, tile.x, tile.y);
     result.readback_ms += ms_since(read_start);
   }
   return result;

@@ -38,15 +38,16 @@ class FrameRenderer {
     const GpuScene& scene;
     const PreparedScene& prepared;
     const Deadline& deadline;
+    FrameTargets& targets;
   };
   void draw_backdrop(const FrameJob& job);
   void draw_subframe(const FrameJob& job, const FramePlan& plan, const Tile& tile, std::size_t subframe,
-                     bool is_backdrop);
+                     const gl::Texture* glow);
 
   gl::Context& context_;
   gl::ProgramCache& programs_;
   gl::VertexArray empty_vertex_array_;
-  std::optional<FrameTargets> targets_;
+  std::optional<FrameTargets> picture_targets_, glow_targets_;
 };
 
 }  // namespace furnace

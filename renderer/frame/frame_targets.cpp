@@ -65,6 +65,8 @@ void provide_targets(gl::Context& context, const FramePlan& plan, TargetNeeds ne
   }
   if (needs.accumulated && !targets->accumulated)
     targets->accumulated = create_color_target(context, kRadiance, plan.tile_size);
+  if (needs.emission && !targets->emission)
+    targets->emission = create_color_target(context, kRadiance, plan.tile_size);
 }
 
 void provide_backdrop(gl::Context& context, Extent size, FrameTargets& targets) {

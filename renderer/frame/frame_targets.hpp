@@ -58,11 +58,12 @@ struct FrameTargets {
   std::optional<ShadowTarget> shadows;     // only for scenes with lights that cast some
   std::optional<ColorTarget> accumulated;  // RGBA32F: the mean of several sub-frames
   std::optional<BackdropTarget> backdrop;  // only for scenes with transmissive surfaces
+  std::optional<ColorTarget> emission;     // RGBA32F: the mean of what the surfaces emit, for bloom
   ColorTarget film;                        // what is read back
 };
 
 struct TargetNeeds {
-  bool veil = false, accumulated = false;
+  bool veil = false, accumulated = false, emission = false;
 };
 
 // Makes a shadow target of at least so many views and of this side; what fits is kept. `targets` is provided.

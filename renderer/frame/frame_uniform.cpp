@@ -136,8 +136,12 @@ void pack_backdrop(const FramePlan& plan, const View& view, const PreparedScene&
 
 }  // namespace
 
-gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const PreparedScene& scene,
+gpu::FrameBlock pack_frame(const FramePlan& plan, const View& camera, const PreparedScene& scene,
                            const GroundRectangle* ground_map, const Tile& tile, std::size_t subframe) {
+  const int subframes = int(plan.jitter_px.size());
+  const bool pinhole = camera.lens.radius_m == 0 || subframes == 1;
+  const View view =
+      pinhole ? camera : through_lens(camera, lens_place(camera.lens, int(subframe), subframes));
   const PreparedEnvironment& environment = *scene.environment;
   const glm::vec2 jitter_px = plan.jitter_px[subframe];
   gpu::FrameBlock block{};

@@ -20,10 +20,13 @@ struct PassContext {
   Tile tile;
   const gl::VertexArray& empty_vertex_array;
   const gpu::FrameBlock& frame;
+  const gl::Texture* glow = nullptr;  // of the whole picture, where there is bloom
   bool is_backdrop =
-      false;  // draws what stands behind transmissive surfaces: neither these nor the background
+      false;              // draws what stands behind transmissive surfaces: neither these nor the background
+  bool emission = false;  // nothing is drawn but what surfaces emit
 
   bool veiled() const { return !scene.blended.empty() || !scene.strokes.empty(); }
+  gl::FeatureSet shown() const { return emission ? gl::FeatureSet(gl::kFeatureEmission) : 0; }
 };
 
 // What each view of `lights` sees of the scene, into its shadow map.
@@ -34,12 +37,13 @@ void pass_visibility(const PassContext& pass);
 void pass_veil(const PassContext& pass);
 // Shades what is visible: once a pixel and surface.
 void pass_shade(const PassContext& pass);
-// Composes the sub-frame with veil and background and adds it into the accumulated frame; the first one replaces it. A lone
-// sub-frame is not accumulated.
-void pass_accumulate(const PassContext& pass, bool first);
+// Composes the sub-frame with veil and background and adds it into the accumulated frame by its weight; the first one replaces
+// it. A lone sub-frame is not accumulated, but for its emission and for the backdrop.
+void pass_accumulate(const PassContext& pass, std::size_t subframe);
 // The accumulated tile, into its place in the backdrop.
 void pass_backdrop(const PassContext& pass);
-// Exposure, tone curve and transfer function of the accumulated frame (or of the lone sub-frame, composed) into the film.
+// Exposure, bloom, tone curve and transfer function of the accumulated frame (or of the lone sub-frame, composed) into the
+// film; of a plan for the glow, what glows.
 void pass_resolve(const PassContext& pass);
 
 }  // namespace furnace

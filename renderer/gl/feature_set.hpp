@@ -37,6 +37,8 @@ enum Feature : FeatureSet {
   kFeatureGroundProjection = 1u << 26,
   kFeatureGroundShadow = 1u << 27,
   kFeatureGrade = 1u << 28,
+  kFeatureBloom = 1u << 29,
+  kFeatureEmission = 1u << 30,
 };
 
 }  // namespace furnace::gl

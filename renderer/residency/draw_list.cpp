@@ -176,7 +176,8 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
     draw.mirrored = draw_blocks.back().handedness < 0;
     const glm::vec3 centre = (mesh.mesh->bounds.min + mesh.mesh->bounds.max) * 0.5f;
     draw.distance = glm::distance(view.eye, glm::vec3(instance.world_from_model * glm::vec4(centre, 1)));
-    out.seen_through = out.seen_through || draw.seen_through();
+    if (draw.seen_through())
+      out.nearest_glass_m = std::min(out.nearest_glass_m.value_or(draw.distance), draw.distance);
     if (material.alpha_mode == AlphaMode::kBlend && !draw.seen_through()) {
       out.blended.push_back(draw);
     } else {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "renderer/gl/feature_set.hpp"
@@ -43,7 +44,8 @@ struct GpuScene {
   std::vector<GpuMaterial> materials;
   gl::Buffer draw_blocks, material_blocks, layer_blocks;
   GLintptr draw_stride = 0, material_stride = 0, layer_stride = 0;
-  bool seen_through = false;  // some of its surfaces are
+  std::optional<float>
+      nearest_glass_m;  // Draw::distance of the nearest surface that is seen through, if there is one
   const GpuEnvironment* environment = nullptr;
   const GpuTexture* sky = nullptr;         // the environment itself
   const GpuTexture* background = nullptr;  // what is seen of an environment; null for another background

@@ -202,6 +202,12 @@ class CanonicalHash {
     add_all(eye, target, up, fov_y_rad);
   }
 
+  void add(const IntrinsicsCamera& value) {
+    const auto& [focal_px, principal_px, picture_px, translation, rotation] = value;
+    add_all(focal_px.x, focal_px.y, principal_px.x, principal_px.y, picture_px.x, picture_px.y, translation,
+            rotation);
+  }
+
   void add(const GltfCamera& value) {
     const auto& [which] = value;
     add(which);
@@ -216,9 +222,16 @@ class CanonicalHash {
 
   void add(const AutoExposure&) {}
 
+  void add(const DepthOfField& value) {
+    const auto& [f_stop, sensor_height_m, aperture_diameter_m, focus_distance_m, focus_point, blades,
+                 blade_rotation_rad] = value;
+    add_all(f_stop, sensor_height_m, aperture_diameter_m, focus_distance_m, focus_point, blades,
+            blade_rotation_rad);
+  }
+
   void add(const CameraSpec& value) {
-    const auto& [view, metering, exposure_ev] = value;
-    add_all(view, metering, exposure_ev);
+    const auto& [view, metering, exposure_ev, depth_of_field] = value;
+    add_all(view, metering, exposure_ev, depth_of_field);
   }
 
   void add(const ColorGrade& value) {
@@ -226,11 +239,21 @@ class CanonicalHash {
     add_all(white_balance_kelvin, white_balance_tint, contrast, saturation);
   }
 
+  void add(const PixelFilter& value) {
+    const auto& [kind, radius_px] = value;
+    add_all(kind, radius_px);
+  }
+
+  void add(const Bloom& value) {
+    const auto& [intensity, radius, source, threshold] = value;
+    add_all(intensity, radius, source, threshold);
+  }
+
   void add(const OutputSpec& value) {
     const auto& [width, height, format, bit_depth, exr_type, exr_compression, compression_quality, lossless,
-                 tone_map, grade, samples] = value;
+                 tone_map, grade, pixel_filter, bloom, samples] = value;
     add_all(width, height, format, bit_depth, exr_type, exr_compression, compression_quality, lossless,
-            tone_map, grade, samples);
+            tone_map, grade, pixel_filter, bloom, samples);
   }
 
   void add(const RenderSpec& value) {

@@ -152,6 +152,15 @@ struct LookAtCamera {
   glm::vec3 eye{0}, target{0}, up{0, 1, 0};  // m
   double fov_y_rad = 0.5236;
 };
+// A calibrated pinhole: what structure from motion and camera calibration give.
+struct IntrinsicsCamera {
+  glm::dvec2 focal_px{1};  // fx, fy of the calibrated picture, > 0
+  glm::dvec2 principal_px{
+      0};  // cx, cy from its upper left corner, y down; the first pixel's centre is (0.5, 0.5)
+  glm::dvec2 picture_px{1};  // its width and height; a picture of another size shows as much of the height
+  glm::vec3 translation{0};  // m, of the camera in the world
+  glm::quat rotation{1, 0, 0, 0};  // w x y z, world from camera: looks along -Z, +Y up
+};
 struct GltfCamera {
   std::variant<int, std::string> which = 0;  // index or name
 };
@@ -163,10 +172,23 @@ struct PhysicalExposure {
 };
 struct AutoExposure {};  // by the picture's own mean
 
+// A thin lens in place of the pinhole: what is not at the distance of focus is blurred. Of an opening with an f-number the
+// focal length is the one whose field of view on the sensor is the camera's, focused at infinity.
+struct DepthOfField {
+  double f_stop = 2.8;                        // focal length over diameter
+  double sensor_height_m = 0.024;             // of 35 mm film
+  std::optional<double> aperture_diameter_m;  // in place of f_stop
+  std::optional<double> focus_distance_m;     // along the viewing direction
+  std::optional<glm::vec3> focus_point;       // in place of a distance; neither: the middle of the scene
+  int blades = 0;                 // 0: a round opening; else corners of a regular polygon inscribed in it
+  double blade_rotation_rad = 0;  // counter-clockwise as seen by the camera; 0: a corner points up
+};
+
 struct CameraSpec {
-  std::variant<OrbitCamera, LookAtCamera, GltfCamera> view = OrbitCamera{};
+  std::variant<OrbitCamera, LookAtCamera, GltfCamera, IntrinsicsCamera> view = OrbitCamera{};
   std::variant<UnmeteredExposure, PhysicalExposure, AutoExposure> metering;
   double exposure_ev = 0;  // stops, more than what is metered
+  std::optional<DepthOfField> depth_of_field = {};
 };
 
 enum class OutputFormat { kPng, kExr, kJpeg, kWebp };
@@ -189,6 +211,24 @@ struct ColorGrade {
   bool operator==(const ColorGrade&) const = default;
 };
 
+enum class PixelFilterKind { kBox, kGaussian, kBlackmanHarris, kMitchell };
+
+// What several sub-frames of a pixel are weighted by: renderer/frame/pixel_filter.hpp.
+struct PixelFilter {
+  PixelFilterKind kind = PixelFilterKind::kBox;
+  double radius_px = 0.5;  // 0 beyond, along each axis
+};
+
+enum class BloomSource { kAll, kEmission };
+
+// The share `intensity` of what exceeds the threshold is spread around the place it came from: renderer/frame/bloom.hpp.
+struct Bloom {
+  double intensity = 0.25;  // [0, 1]
+  double radius = 0.1;      // of the picture's height
+  BloomSource source = BloomSource::kAll;
+  double threshold = 1;  // exposed radiance
+};
+
 struct OutputSpec {
   int width = 1024, height = 1024;  // px
   OutputFormat format = OutputFormat::kPng;
@@ -199,6 +239,8 @@ struct OutputSpec {
   bool lossless = false;                          // of a WebP
   ToneMap tone_map = ToneMap::kPbrNeutral;
   ColorGrade grade;
+  PixelFilter pixel_filter;
+  std::optional<Bloom> bloom;
   int samples = 1;  // sub-frames, each with the context's MSAA
 };
 

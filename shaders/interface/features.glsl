@@ -31,3 +31,5 @@
 // FEATURE_GROUND_PROJECTION  its lower half lies flat, as a floor
 // FEATURE_GROUND_SHADOW      a ground under the scene shows its shadow
 // FEATURE_GRADE              white balance, contrast and saturation, and the tone curves of many operations
+// FEATURE_BLOOM              a glow spreads from what is bright
+// FEATURE_EMISSION           surfaces show nothing but what they emit; only that glows

@@ -7,7 +7,11 @@
 
 // xyz: radiance, premultiplied by w: opacity, 1 but where a transparent background is seen through the surface.
 vec4 surface_radiance(Surface s) {
-#if FEATURE_UNLIT
+#if FEATURE_EMISSION && FEATURE_UNLIT
+  return vec4(0.0, 0.0, 0.0, 1.0);
+#elif FEATURE_EMISSION
+  return vec4(s.emissive, 1.0);
+#elif FEATURE_UNLIT
   return vec4(s.base_color.rgb, 1.0);
 #else
   Leaving light = environment_light(s);

@@ -100,6 +100,8 @@ TEST(Fields, OnlyOptionalThingsHaveNoDefault) {
         leaf.path == "/map:color/color" || leaf.path.ends_with("/stops/color") ||
         leaf.path.ends_with("/stops/elevationDegrees") || leaf.path == "/map:clear-sky/dateTime" ||
         leaf.path == "/map:clear-sky/latitudeDegrees" || leaf.path == "/map:clear-sky/longitudeDegrees" ||
+        leaf.path.starts_with("/camera/intrinsics/f") || leaf.path.starts_with("/camera/intrinsics/c") ||
+        leaf.path == "/camera/intrinsics/width" || leaf.path == "/camera/intrinsics/height" ||
         leaf.path == "/camera/lookAt/eye" || leaf.path == "/scene/lights/type" ||
         leaf.path == "/scene/lights/fluxLumen" || leaf.path == "/scene/lights/rangeMetres" ||
         leaf.path == "/environment/background/map" ||
@@ -108,7 +110,11 @@ TEST(Fields, OnlyOptionalThingsHaveNoDefault) {
         leaf.path == "/environment/ground/projection/radiusMetres" || leaf.path == "/camera/gltf" ||
         leaf.path == "/camera/ev100" || leaf.path == "/camera/aperture" ||
         leaf.path == "/camera/shutterSeconds" || leaf.path == "/output/samples" ||
-        leaf.path == "/output/exrCompression";
+        leaf.path == "/output/exrCompression" || leaf.path == "/output/pixelFilter/type" ||
+        leaf.path == "/output/pixelFilter/radiusPixels" ||
+        leaf.path == "/camera/depthOfField/apertureDiameterMetres" ||
+        leaf.path == "/camera/depthOfField/focusDistanceMetres" ||
+        leaf.path == "/camera/depthOfField/focusPoint";
     EXPECT_NE(stated, needs_none) << leaf.path;
   }
 }

@@ -94,7 +94,9 @@ TEST(ShaderLibrary, FeatureBitsAreTheListOfTheInterface) {
       {kFeatureMagnified, "FEATURE_MAGNIFIED"},
       {kFeatureGroundProjection, "FEATURE_GROUND_PROJECTION"},
       {kFeatureGroundShadow, "FEATURE_GROUND_SHADOW"},
-      {kFeatureGrade, "FEATURE_GRADE"}};
+      {kFeatureGrade, "FEATURE_GRADE"},
+      {kFeatureBloom, "FEATURE_BLOOM"},
+      {kFeatureEmission, "FEATURE_EMISSION"}};
   ASSERT_EQ(names.size(), std::size(expected));
   for (std::size_t bit = 0; bit < names.size(); ++bit) {
     EXPECT_EQ(expected[bit].first, FeatureSet(1) << bit);

@@ -74,7 +74,21 @@ T& map(RenderSpec& spec) {
   return std::holds_alternative<T>(*procedural) ? std::get<T>(*procedural) : procedural->emplace<T>();
 }
 
+IntrinsicsCamera& calibrated(RenderSpec& spec) {
+  if (!std::holds_alternative<IntrinsicsCamera>(spec.camera.view)) spec.camera.view = IntrinsicsCamera{};
+  return std::get<IntrinsicsCamera>(spec.camera.view);
+}
+
 const std::vector<Mutation> kMutations = {
+    {"intrinsics", [](RenderSpec& s) { calibrated(s); }},
+    {"intrinsics focal x", [](RenderSpec& s) { calibrated(s).focal_px.x = 2; }},
+    {"intrinsics focal y", [](RenderSpec& s) { calibrated(s).focal_px.y = 2; }},
+    {"intrinsics principal x", [](RenderSpec& s) { calibrated(s).principal_px.x = 2; }},
+    {"intrinsics principal y", [](RenderSpec& s) { calibrated(s).principal_px.y = 2; }},
+    {"intrinsics width", [](RenderSpec& s) { calibrated(s).picture_px.x = 2; }},
+    {"intrinsics height", [](RenderSpec& s) { calibrated(s).picture_px.y = 2; }},
+    {"intrinsics translation", [](RenderSpec& s) { calibrated(s).translation.z = 2; }},
+    {"intrinsics rotation", [](RenderSpec& s) { calibrated(s).rotation.y = 0.5f; }},
     {"nothing", [](RenderSpec&) {}},
     {"model", [](RenderSpec& s) { s.scene.model = model_of(2); }},
     {"no model", [](RenderSpec& s) { s.scene.model = nullptr; }},
@@ -254,6 +268,22 @@ const std::vector<Mutation> kMutations = {
     {"EV100", [](RenderSpec& s) { s.camera.metering = PhysicalExposure{}; }},
     {"EV100 of daylight", [](RenderSpec& s) { s.camera.metering = PhysicalExposure{15}; }},
     {"automatic exposure", [](RenderSpec& s) { s.camera.metering = AutoExposure{}; }},
+    {"depth of field", [](RenderSpec& s) { s.camera.depth_of_field.emplace(); }},
+    {"f-number", [](RenderSpec& s) { s.camera.depth_of_field.emplace().f_stop = 4; }},
+    {"sensor height", [](RenderSpec& s) { s.camera.depth_of_field.emplace().sensor_height_m = 0.01; }},
+    {"aperture diameter",
+     [](RenderSpec& s) { s.camera.depth_of_field.emplace().aperture_diameter_m = 0.01; }},
+    {"focus distance", [](RenderSpec& s) { s.camera.depth_of_field.emplace().focus_distance_m = 1; }},
+    {"focus point", [](RenderSpec& s) { s.camera.depth_of_field.emplace().focus_point = glm::vec3(1); }},
+    {"blades", [](RenderSpec& s) { s.camera.depth_of_field.emplace().blades = 5; }},
+    {"blade rotation", [](RenderSpec& s) { s.camera.depth_of_field.emplace().blade_rotation_rad = 1; }},
+    {"pixel filter", [](RenderSpec& s) { s.output.pixel_filter.kind = PixelFilterKind::kMitchell; }},
+    {"filter radius", [](RenderSpec& s) { s.output.pixel_filter.radius_px = 1; }},
+    {"bloom", [](RenderSpec& s) { s.output.bloom.emplace(); }},
+    {"bloom intensity", [](RenderSpec& s) { s.output.bloom.emplace().intensity = 0.5; }},
+    {"bloom radius", [](RenderSpec& s) { s.output.bloom.emplace().radius = 0.2; }},
+    {"bloom of emission", [](RenderSpec& s) { s.output.bloom.emplace().source = BloomSource::kEmission; }},
+    {"bloom threshold", [](RenderSpec& s) { s.output.bloom.emplace().threshold = 2; }},
     {"white balance", [](RenderSpec& s) { s.output.grade.white_balance_kelvin = 2856; }},
     {"tint", [](RenderSpec& s) { s.output.grade.white_balance_tint = 10; }},
     {"contrast", [](RenderSpec& s) { s.output.grade.contrast = 1.1; }},
