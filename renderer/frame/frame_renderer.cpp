@@ -39,8 +39,10 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
       scene.ground_shadow != nullptr ? &scene.ground_shadow->rectangle : nullptr;
   const std::size_t subframes = plan.jitter_px.size();
   const bool emission = plan.bloom && plan.bloom->source == BloomSource::kEmission;
+  // The glow's are of one size or few, and kept beside the picture's.
+  std::optional<FrameTargets>& targets = plan.glow_only ? glow_targets_ : picture_targets_;
   provide_targets(context_, plan, {!scene.blended.empty() || !scene.strokes.empty(), subframes > 1, emission},
-                  targets_);
+                  targets);
   gl::Texture glow;
   if (plan.bloom && !plan.glow_only) glow = gl::upload_texture(context_, plan.bloom->glow, false);
   FrameResult result;
@@ -53,13 +55,13 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
       const gpu::FrameBlock frame = pack_frame(plan, view, prepared, ground_map, tile, subframe);
       const gl::Buffer uniform = gl::create_buffer(context_, &frame, sizeof frame);
       glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniform.id());
-      const PassContext pass{context_, programs_, residency,           plan,  *targets_,
+      const PassContext pass{context_, programs_, residency,           plan,  *targets,
                              scene,    tile,      empty_vertex_array_, frame, &glow};
       gl::Buffer light_uniform;
       if (!prepared.lights.empty()) {
         const LightPlan lights =
             plan_lights(prepared.lights, prepared.bounds, {tile.x, tile.y}, int(subframe), int(subframes));
-        provide_shadows(context_, lights.side_px, std::max(lights.views, 1), *targets_);
+        provide_shadows(context_, lights.side_px, std::max(lights.views, 1), *targets);
         light_uniform = gl::create_buffer(context_, &lights.block, sizeof lights.block);
         glBindBufferBase(GL_UNIFORM_BUFFER, kLightBinding, light_uniform.id());
         // A lone sub-frame's maps are the same for every tile.
@@ -75,7 +77,7 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
     result.draw_ms += ms_since(start);
 
     const Clock::time_point read_start = Clock::now();
-    gl::read_pixels(context_, targets_->film.framebuffer, tile.size, result.pixels, tile.x, tile.y);
+    gl::read_pixels(context_, targets->film.framebuffer, tile.size, result.pixels, tile.x, tile.y);
     result.readback_ms += ms_since(read_start);
   }
   return result;

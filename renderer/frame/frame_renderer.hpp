@@ -33,7 +33,7 @@ class FrameRenderer {
   gl::Context& context_;
   gl::ProgramCache& programs_;
   gl::VertexArray empty_vertex_array_;
-  std::optional<FrameTargets> targets_;
+  std::optional<FrameTargets> picture_targets_, glow_targets_;
 };
 
 }  // namespace furnace

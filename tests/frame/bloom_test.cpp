@@ -64,8 +64,8 @@ TEST(Bloom, AnEvenPictureStaysEven) {
   for (const double radius : {0.01, 0.1, 1.0}) {
     Bloom bloom;
     bloom.radius = radius;
-    for (const float value : spread_glow(bright, bloom, {64, 256}).samples<float>())
-      ASSERT_NEAR(value, 3, 1e-5);
+    const Image glow = spread_glow(bright, bloom, {64, 256});
+    for (const float value : glow.samples<float>()) ASSERT_NEAR(value, 3, 1e-5);
   }
 }
 
