@@ -20,7 +20,7 @@ void main() {
   uvec2 at = uvec2(gl_FragCoord.xy);
   uvec2 low = at & 1u, high = at >> 1u & 1u;
   uint rank = 4u * (2u * (low.x ^ low.y) + low.y) + 2u * (high.x ^ high.y) + high.y;
-  if (alpha * material.shadow_opacity * 16.0 <= float(rank)) discard;
+  if (alpha * material.shadow_opacity * 16.0 <= float(rank) + 0.5) discard;
 #endif
 #endif
 }
