@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <limits>
 #include <vector>
 
 #include <fmt/format.h>
@@ -46,7 +47,7 @@ constexpr Look kLooks[] = {
     {"light", "point", "", R"(,"lights":[{"type":"point","position":[2,2,2],"intensityCandela":9}])"},
     {"light", "spot", "",
      R"(,"lights":[{"type":"spot","position":[2,2,2],"direction":[-1,-1,-1],"intensityCandela":9}])"},
-    {"quality", "standard", "", "", R"(,"quality":"standard")"},
+    {"quality", "draft", "", "", R"(,"quality":"draft")"},
     {"quality", "high", "", "", R"(,"quality":"high")"},
     {"film", "bloom", "", "", R"(,"bloom":{})"},
 };
@@ -74,9 +75,13 @@ Cost measure(Renderer& renderer, const Look& look) {
   renderer.render(spec, Deadline());
   cost.cold_cpu_ms = cpu_ms() - start;
   const int times = std::clamp(64 / spec.output.samples, 3, 12);
-  const double warm_start = cpu_ms();
-  for (int i = 0; i < times; ++i) renderer.render(spec, Deadline());
-  cost.warm_cpu_ms = (cpu_ms() - warm_start) / times;
+  // The least of some: what else a machine does only adds.
+  cost.warm_cpu_ms = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < times; ++i) {
+    const double warm_start = cpu_ms();
+    renderer.render(spec, Deadline());
+    cost.warm_cpu_ms = std::min(cost.warm_cpu_ms, cpu_ms() - warm_start);
+  }
   return cost;
 }
 
