@@ -114,7 +114,7 @@ glm::dmat3 ray_from_tile(const glm::dmat4& tile_from_clip) {
   return glm::inverse(tile_from_ray);
 }
 
-// What is seen behind transmissive surfaces.
+// What is seen behind transmissive surfaces. `view`: from the middle of the lens, as the mean of the sub-frames.
 void pack_backdrop(const FramePlan& plan, const View& view, const PreparedScene& scene,
                    gpu::FrameBlock& block) {
   const glm::dmat4 place_from_clip =
@@ -168,7 +168,7 @@ gpu::FrameBlock pack_frame(const FramePlan& plan, const View& camera, const Prep
         glm::mat4(glm::dmat4(map_from_ndc(true_rays, scene.ground->level_m, *ground_map) * ray_from_ndc));
     block.shadow_strength = float(plan.shadow_strength);
   }
-  pack_backdrop(plan, view, scene, block);
+  pack_backdrop(plan, camera, scene, block);
   block.eye_world = glm::vec4(view.eye, view.orthographic ? 0 : 1);
   block.towards_viewer_world = glm::vec4(glm::transpose(glm::mat3(view.view_from_world))[2], 0);
 

@@ -42,6 +42,10 @@ float V_Charlie(float NoV, float NoL, float alpha) {
   return 1.0 / ((1.0 + charlie_lambda(NoV, alpha) + charlie_lambda(NoL, alpha)) * 4.0 * NoV * NoL);
 }
 
+// How far the mean direction of that lobe lies from the normal, on the viewer's side (rad): fitted to its first moment, which has
+// 9 to 14 degrees at roughness 1 and 55 to 78 at 0.2.
+float charlie_lean(float perceptual_roughness) { return 0.5 * PI * exp(-1.9 * perceptual_roughness); }
+
 // Schlick 1994, "An Inexpensive BRDF Model for Physically-based Rendering", with the k of Karis 2013, "Real Shading in
 // Unreal Engine 4", for lights: V = G / (4 NoL NoV).
 float V_SchlickBeckmann(float NoV, float NoL, float perceptual_roughness) {

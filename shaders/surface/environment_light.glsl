@@ -113,6 +113,11 @@ vec3 lobe_direction(vec3 normal, vec3 to_viewer, float NoV, float lean_rad) {
   return sine > 1e-3 ? normalize(leant) : mirror;
 }
 
+vec3 reflected_radiance(vec3 normal, vec3 to_viewer, float NoV, float lean_rad, float perceptual_roughness) {
+  vec3 lobe = constants.environment_from_world * lobe_direction(normal, to_viewer, NoV, lean_rad);
+  return prefiltered_radiance(lobe, perceptual_roughness);
+}
+
 #if FEATURE_ANISOTROPY
 // Radiance of a lobe wider along the tangent: round lobes of the narrow width, about normals tilted along the tangent as the
 // slopes of GGX are spread beyond that width. Along one axis they have the density a^2 / (2 (a^2 + x^2)^(3/2)), so the
@@ -122,6 +127,7 @@ vec3 anisotropic_radiance(Surface s) {
   float spread = sqrt(max(s.alpha_t * s.alpha_t - s.alpha * s.alpha, 0.0));
   // No sharper than the taps lie apart.
   float tap_roughness = sqrt(max(s.alpha, 0.15 * spread));
+  float lean = textureLod(dfg_map, vec2(s.NoV, tap_roughness), 0.0).z;
   vec3 sum = vec3(0.0);
   float weights = 0.0;
   for (int i = 0; i < kTaps; ++i) {
@@ -132,23 +138,17 @@ vec3 anisotropic_radiance(Surface s) {
     if (VoH <= 0.0 || NoL <= 0.0) continue;
     // Of a half vector drawn from D cos: G (v.h) / (n.h n.v), here by the masking of the light alone.
     float weight = VoH * 2.0 * NoL / (NoL + sqrt(s.alpha_t * s.alpha_t + (1.0 - s.alpha_t * s.alpha_t) * NoL * NoL));
-    sum += weight * prefiltered_radiance(constants.environment_from_world * l, tap_roughness);
+    sum += weight * reflected_radiance(h, s.to_viewer, VoH, lean, tap_roughness);
     weights += weight;
   }
   return weights > 0.0 ? sum / weights : prefiltered_radiance(constants.environment_from_world * s.normal, tap_roughness);
 }
 #endif
 
-vec3 reflected_radiance(vec3 normal, vec3 to_viewer, float NoV, float lean_rad, float perceptual_roughness) {
-  vec3 lobe = constants.environment_from_world * lobe_direction(normal, to_viewer, NoV, lean_rad);
-  return prefiltered_radiance(lobe, perceptual_roughness);
-}
-
 #if FEATURE_SHEEN
-// The lobe of fibres is as wide as a cosine's, and its mean direction leans from the normal towards the viewer: by 14 degrees
-// at roughness 1 and by 61 at 0.2, as its first moment says.
+// The lobe of fibres is about as wide as a cosine's.
 vec3 sheen_radiance(Surface s) {
-  float lean = 0.5 * PI * exp(-1.9 * s.sheen_roughness);
+  float lean = charlie_lean(s.sheen_roughness);
   vec3 across = s.to_viewer - s.NoV * s.normal;
   vec3 direction = normalize(cos(lean) * s.normal + sin(lean) * across / max(length(across), 0.3));
   return diffuse_radiance(constants.environment_from_world * direction);

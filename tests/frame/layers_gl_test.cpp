@@ -212,5 +212,48 @@ TEST_F(LayersGlTest, ASpecularColourSetsF0) {
   EXPECT_NEAR(center.b, 0, 5e-3);
 }
 
+// Above is light, below dark: through a ball up is down, through a pane it is not.
+TEST_F(LayersGlTest, ABallTurnsItsViewOverAndAPaneDoesNot) {
+  MaterialOverride material = glass();
+  material.double_sided = false;
+  material.thickness_m = 1.f;
+  RenderSpec spec = spec_of("sphere", material, glm::vec3(0));
+  spec.environment.map =
+      GradientEnvironment{{{-1, glm::dvec3(0)}, {1, glm::dvec3(1)}}, GradientBlend::kLinear};
+  spec.environment.background = EnvironmentBackground{};
+  OrbitCamera level;
+  level.azimuth_rad = level.elevation_rad = 0;
+  spec.camera.view = level;
+  const Film ball = render(spec);
+  EXPECT_LT(pixel(ball, 32, 24).g, 0.3f);
+  EXPECT_GT(pixel(ball, 32, 40).g, 0.7f);
+
+  spec.scene.nodes[0].mesh = "cube";
+  material.thickness_m = 0.01f;
+  spec.scene.materials[*spec.scene.nodes[0].material] = material;
+  const Film pane = render(spec);
+  EXPECT_GT(pixel(pane, 32, 24).g, 0.7f);
+  EXPECT_LT(pixel(pane, 32, 40).g, 0.3f);
+}
+
+// Anisotropy of almost nothing is a surface of almost none.
+TEST_F(LayersGlTest, AnisotropySetsInSmoothly) {
+  MaterialOverride material;
+  material.base_color = glm::vec4(1);
+  material.metallic = 1.f;
+  for (const float roughness : {0.3f, 0.6f, 0.9f}) {
+    material.perceptual_roughness = roughness;
+    const auto row = [&](float anisotropy) {
+      material.anisotropy = anisotropy;
+      RenderSpec spec = spec_of("sphere", material, glm::vec3(0));
+      spec.environment.map = BuiltinName{"studio"};
+      return render(spec);
+    };
+    const Film round = row(0), nearly = row(1e-3f);
+    for (int x = 12; x < 52; x += 4)
+      EXPECT_NEAR(pixel(nearly, x, 28).g, pixel(round, x, 28).g, 0.02f * pixel(round, x, 28).g) << roughness;
+  }
+}
+
 }  // namespace
 }  // namespace furnace

@@ -109,12 +109,13 @@ TEST_F(ObjectsGlTest, EveryProgramBuilds) {
     builds("surface/deferred.vert", "surface/deferred.frag", a | kFeatureVeil);
   }
   for (const FeatureSet features :
-       {0u, FeatureSet(kFeatureAlphaMask), kFeatureAlphaMask | kFeatureMaterialMaps})
+       {FeatureSet(0), FeatureSet(kFeatureAlphaMask), kFeatureAlphaMask | kFeatureMaterialMaps})
     builds("visibility/visibility.vert", "visibility/visibility.frag", features);
   for (const char* screen : {"visibility/shares.frag", "visibility/select.frag"})
     builds("screen/fullscreen.vert", screen, 0);
   for (const char* screen : {"screen/accumulate.frag", "screen/resolve.frag"}) {
-    for (const FeatureSet sky : {0u, FeatureSet(kFeatureSky), FeatureSet(kFeatureSky | kFeatureMagnified)}) {
+    for (const FeatureSet sky :
+         {FeatureSet(0), FeatureSet(kFeatureSky), FeatureSet(kFeatureSky | kFeatureMagnified)}) {
       builds("screen/fullscreen.vert", screen, sky);
       builds("screen/fullscreen.vert", screen, sky | kFeatureVeil);
     }

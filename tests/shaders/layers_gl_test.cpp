@@ -3,6 +3,7 @@
 #include <cmath>
 #include <complex>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "renderer/scene/transform.hpp"
@@ -36,9 +37,9 @@ std::vector<Node> hemisphere(int side) {
   return nodes;
 }
 
-std::vector<glm::vec4> directions_of(const std::vector<Node>& nodes) {
+std::vector<glm::vec4> directions_of(const std::vector<Node>& nodes, float w = 0) {
   std::vector<glm::vec4> inputs;
-  for (const Node& n : nodes) inputs.emplace_back(float(n.x), float(n.y), float(n.z), 0);
+  for (const Node& n : nodes) inputs.emplace_back(float(n.x), float(n.y), float(n.z), w);
   return inputs;
 }
 
@@ -82,8 +83,7 @@ TEST_F(LayersGlTest, CharlieIsNormalisedAndReflectsItsAlbedo) {
   const std::vector<Node> nodes = hemisphere(500);
   for (const double roughness : {0.3, 0.6, 1.0}) {
     const double alpha = roughness * roughness, NoV = 0.4;
-    std::vector<glm::vec4> inputs = directions_of(nodes);
-    for (glm::vec4& input : inputs) input.w = float(alpha);
+    const std::vector<glm::vec4> inputs = directions_of(nodes, float(alpha));
     const auto results =
         run("lib/brdf_layers.glsl",
             "vec3 v = vec3(sqrt(1.0 - 0.16), 0.0, 0.4);"
@@ -102,12 +102,38 @@ TEST_F(LayersGlTest, CharlieIsNormalisedAndReflectsItsAlbedo) {
   }
 }
 
+// The direction of the first moment of the lobe times n.l, which the fit leaves by at most 17 degrees.
+TEST_F(LayersGlTest, CharlieLeansToTheViewer) {
+  const std::vector<Node> nodes = hemisphere(300);
+  for (const double roughness : {0.2, 0.4, 0.6, 0.8, 1.0}) {
+    const std::vector<glm::vec4> inputs = directions_of(nodes, float(roughness));
+    for (const double NoV : {0.2, 0.5, 0.8}) {
+      const auto results =
+          run("lib/brdf_layers.glsl",
+              fmt::format("float NoV = {};"
+                          "vec3 h = normalize(vec3(sqrt(1.0 - NoV * NoV), 0.0, NoV) + x.xyz);"
+                          "float alpha = x.w * x.w;"
+                          "result.x = D_Charlie(h.z, alpha) * V_Charlie(NoV, x.z, alpha);"
+                          "result.y = charlie_lean(x.w);",
+                          NoV),
+              inputs);
+      double across = 0, along = 0;
+      for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const double weight = nodes[i].weight * nodes[i].z * double(results[i].x);
+        across += weight * nodes[i].x;
+        along += weight * nodes[i].z;
+      }
+      EXPECT_NEAR(double(results[0].y) * 180 / kPi, std::atan2(across, along) * 180 / kPi, 17)
+          << roughness << " " << NoV;
+    }
+  }
+}
+
 // What a plane sends back of a light seen in the mirror direction of a view at right angles is at most what arrives.
 TEST_F(LayersGlTest, OlderLobesKeepTheirEnergy) {
   const std::vector<Node> nodes = hemisphere(500);
   for (const float alpha : {0.3f, 0.6f, 1.f}) {
-    std::vector<glm::vec4> inputs = directions_of(nodes);
-    for (glm::vec4& input : inputs) input.w = alpha;
+    const std::vector<glm::vec4> inputs = directions_of(nodes, alpha);
     const auto results =
         run("lib/brdf_layers.glsl",
             "vec3 h = normalize(vec3(0.0, 0.0, 1.0) + x.xyz);"
