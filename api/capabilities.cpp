@@ -24,6 +24,7 @@ OrderedJson limits(const Capabilities& c) {
   return {{"maxSidePx", c.request.max_side_px},
           {"maxAreaPx", c.request.max_area_px},
           {"maxSamples", c.request.max_samples},
+          {"maxLayerBytes", c.request.max_layer_bytes},
           {"maxRequestJsonBytes", c.request.max_json_bytes},
           {"maxRequestJsonDepth", c.request.max_json_depth},
           {"maxBodyBytes", c.max_body_bytes},
@@ -42,6 +43,12 @@ OrderedJson qualities() {
   return samples;
 }
 
+OrderedJson film_layers() {
+  OrderedJson list = OrderedJson::array();
+  for (const FilmLayerRow& row : kFilmLayers) list.push_back({{"name", row.name}, {"channels", row.channels}});
+  return list;
+}
+
 OrderedJson formats() {
   OrderedJson list = OrderedJson::array();
   for (const FormatRow& row : kFormats) list.push_back({{"format", row.name}, {"mediaType", row.media_type}});
@@ -58,7 +65,7 @@ std::string capabilities_json(const Capabilities& capabilities) {
   const OrderedJson document = {
       {"version", version_members(capabilities.version)},
       {"softwareGl", capabilities.software_gl},
-      {"output", {{"formats", formats()}, {"qualitySamples", qualities()}}},
+      {"output", {{"formats", formats()}, {"qualitySamples", qualities()}, {"layers", film_layers()}}},
       {"limits", limits(capabilities)},
       {"gltfExtensions", supported_gltf_extensions()},
       {"builtin",

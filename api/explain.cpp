@@ -226,6 +226,16 @@ class Explainer {
       return;
     if (const Value items = schema["items"])
       for (std::size_t i = 0; i < value.size() && !full(); ++i) check(items, value.at(i));
+    if (schema["uniqueItems"]) check_unique(value);
+  }
+
+  void check_unique(const Value& value) {
+    for (std::size_t i = 1; i < value.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        if (value.at(i) == value.at(j)) {
+          add(value.at(i), fmt::format("{} stands here twice", value.at(i).excerpt()));
+          break;
+        }
   }
 
   void check_object(const Value& schema, const Value& value) {

@@ -1,5 +1,6 @@
 #include "api/film_request.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -88,6 +89,20 @@ void read_bloom(const Value& value, Bloom& spec) {
   read_choice(value["source"], kSources, spec.source);
 }
 
+FilmLayer film_layer_of(const Value& name) {
+  const auto* row = std::find_if(kFilmLayers.begin(), kFilmLayers.end(),
+                                 [&](const FilmLayerRow& known) { return known.name == name.text(); });
+  FURNACE_CHECK(row != kFilmLayers.end(), "{} is not handled", name.text());
+  return row->layer;
+}
+
+void read_layers(const Value& output, OutputSpec& spec) {
+  const Value names = output["layers"], shown = output["show"];
+  for (std::size_t i = 0; i < names.size(); ++i) spec.layers.push_back(film_layer_of(names.at(i)));
+  std::sort(spec.layers.begin(), spec.layers.end());
+  if (shown && shown.text() != "beauty") spec.shown = film_layer_of(shown);
+}
+
 void check_limits(const Value& output, const RequestLimits& limits, const OutputSpec& spec, Faults& faults) {
   const std::pair<std::string_view, int> sides[] = {{"width", spec.width}, {"height", spec.height}};
   bool sides_fit = true;
@@ -102,6 +117,13 @@ void check_limits(const Value& output, const RequestLimits& limits, const Output
     faults.add(ErrorCode::kTooLarge, output,
                fmt::format("{} x {} = {} px are more than this server's {} px a picture", spec.width,
                            spec.height, area_px, limits.max_area_px));
+  std::int64_t layer_bytes = 0;
+  for (const FilmLayer layer : spec.layers) layer_bytes += bytes_per_px(layer);
+  layer_bytes *= Extent{spec.width, spec.height}.area();
+  if (sides_fit && layer_bytes > limits.max_layer_bytes)
+    faults.add(ErrorCode::kTooLarge, output["layers"],
+               fmt::format("{} layers of {} x {} px take {} bytes, more than this server's {}",
+                           spec.layers.size(), spec.width, spec.height, layer_bytes, limits.max_layer_bytes));
   if (spec.samples > limits.max_samples)
     faults.add(ErrorCode::kTooLarge, output[output["samples"] ? "samples" : "quality"],
                fmt::format("{} samples are more than this server's {}", spec.samples, limits.max_samples));
@@ -170,6 +192,7 @@ void read_output(const Value& value, const RequestLimits& limits, OutputSpec& sp
   const Value quality = value["quality"];
   spec.samples = samples_for_quality(quality ? quality.text() : kDefaultQuality);
   read(value["samples"], spec.samples);
+  read_layers(value, spec);
   check_limits(value, limits, spec, faults);
 }
 

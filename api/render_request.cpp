@@ -42,6 +42,8 @@ class Reader {
     if (const std::string fault = format_fault(spec); !fault.empty())
       faults_.add(ErrorCode::kUnprocessable, root["output"]["format"] ? root["output"]["format"] : root,
                   fault);
+    if (const std::string fault = layers_fault(spec.output); !fault.empty())
+      faults_.add(ErrorCode::kUnprocessable, root["output"]["layers"], fault);
     read(root["strict"], spec.strict);
     faults_.throw_if_any();
     return spec;
@@ -135,6 +137,7 @@ class Reader {
   NodeSpec read_node(const Value& value, const SceneSpec& scene) {
     NodeSpec node;
     node.mesh = value["mesh"].text().substr(kBuiltin.size());  // one of the schema's names
+    read(value["name"], node.name);
     read(value["material"], node.material);
     if (node.material && !faults_.full()) check_material_name(value["material"], scene);
     read(value["translation"], node.translation);

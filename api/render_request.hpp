@@ -15,6 +15,7 @@ struct RequestLimits {
   int max_side_px = 4096;
   std::int64_t max_area_px = 16ll << 20;
   int max_samples = 64;
+  std::int64_t max_layer_bytes = 512ll << 20;  // of all film layers of a picture
   int max_json_depth = 64;
   std::int64_t max_json_bytes = 4ll << 20;  // of the request document itself
 };

@@ -63,6 +63,7 @@ void add_node(const SceneSpec& spec, std::size_t index, MaterialComposer& compos
     instance.mesh = int(out.scene.meshes.size());
     instance.material = int(out.scene.materials.size());
     instance.world_from_model = world_from_node(node);
+    instance.node_name = node.name.value_or(fmt::format("/scene/nodes/{}", index));
     out.scene.materials.push_back(part_material(spec, index, part, mesh.name, composer));
     out.scene.instances.push_back(instance);
     out.mesh_keys.push_back(

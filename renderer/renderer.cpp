@@ -52,9 +52,10 @@ GlOutcome draw_on_gl_thread(RenderWorld& world, const RenderSpec& spec, const Pr
   const auto draw = [&](const FramePlan& plan) {
     FrameResult drawn =
         world.frames().render(world.residency(), plan, view, scene, preparation.scene, deadline);
-    outcome.frame.draw_ms += drawn.draw_ms;
-    outcome.frame.readback_ms += drawn.readback_ms;
-    return std::move(drawn.pixels);
+    drawn.draw_ms += outcome.frame.draw_ms;
+    drawn.readback_ms += outcome.frame.readback_ms;
+    outcome.frame = std::move(drawn);
+    return std::move(outcome.frame.pixels);
   };
   double auto_ev = 0;
   if (std::holds_alternative<AutoExposure>(spec.camera.metering))
@@ -160,7 +161,10 @@ Film Renderer::render(const RenderSpec& spec, const Deadline& deadline) {
   film.times.draw_ms = outcome.frame.draw_ms;
   film.times.readback_ms = outcome.frame.readback_ms;
   const bool opaque = !std::holds_alternative<TransparentBackground>(spec.environment.background);
-  film.image = opaque ? drop_alpha(outcome.frame.pixels) : std::move(outcome.frame.pixels);
+  const bool has_alpha = outcome.frame.pixels.channels == 4;
+  film.image = opaque && has_alpha ? drop_alpha(outcome.frame.pixels) : std::move(outcome.frame.pixels);
+  film.layers = std::move(outcome.frame.layers);
+  film.attributes = std::move(outcome.frame.attributes);
   return film;
 }
 

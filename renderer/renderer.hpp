@@ -10,6 +10,7 @@
 #include "renderer/base/deadline.hpp"
 #include "renderer/gl/context.hpp"
 #include "renderer/image/decode.hpp"
+#include "renderer/image/encode.hpp"
 #include "renderer/image/image.hpp"
 #include "renderer/residency/prepared_scene.hpp"
 #include "renderer/scene/render_spec.hpp"
@@ -46,6 +47,8 @@ struct StageTimes {
 struct Film {
   // PNG, JPEG, WebP: kUint8 (or kUint16) kSrgb, RGB (opaque background) or RGBA straight alpha. EXR: kFloat16/32 kLinear, RGB or RGBA premultiplied.
   Image image;
+  std::vector<ImageLayer> layers;     // beside it
+  std::vector<TextField> attributes;  // that a file of these layers carries
   std::vector<Note> notes;  // what was not drawn as asked
   StageTimes times;
   double exposure_ev = 0;  // stops by which radiance was multiplied

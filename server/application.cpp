@@ -94,6 +94,7 @@ api::RequestLimits request_limits(const Config& config) {
   limits.max_side_px = config.max_side_px;
   limits.max_area_px = config.max_area_px;
   limits.max_samples = config.max_samples;
+  limits.max_layer_bytes = config.max_layer_bytes;
   limits.max_json_bytes = config.max_json_bytes;
   return limits;
 }

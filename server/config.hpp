@@ -36,6 +36,7 @@ struct Config {
   int max_side_px = 4096;
   std::int64_t max_area_px = 16ll << 20;
   int max_samples = 64;
+  std::int64_t max_layer_bytes = 512ll << 20;
 
   int max_connections = 256;           // waiting for a thread; those beyond are refused
   std::int64_t keep_alive_ms = 1'000;  // an idle connection holds a thread

@@ -30,7 +30,9 @@ std::string encode(const Film& film, const OutputSpec& output, const std::vector
     case OutputFormat::kPng:
       break;
     case OutputFormat::kExr:
-      return encode_exr(film.image, metadata, output.exr_compression);
+      return film.layers.empty()
+                 ? encode_exr(film.image, metadata, output.exr_compression)
+                 : encode_exr_layers(film.image, film.layers, metadata, output.exr_compression);
     case OutputFormat::kJpeg:
       return encode_jpeg(film.image, output.compression_quality, metadata);
     case OutputFormat::kWebp:
@@ -49,7 +51,8 @@ std::string RenderService::etag(const RenderSpec& spec) const {
 }
 
 EncodedImage RenderService::render(const RenderSpec& spec, const Deadline& deadline) {
-  if (const std::string fault = format_fault(spec); !fault.empty()) fail(ErrorCode::kUnprocessable, fault);
+  for (const std::string& fault : {format_fault(spec), layers_fault(spec.output)})
+    if (!fault.empty()) fail(ErrorCode::kUnprocessable, fault);
   const auto asked = Clock::now();
   const Admission::Seat seat = admission_.enter(deadline);
   const double queue_ms = milliseconds_since(asked);
@@ -61,11 +64,12 @@ EncodedImage RenderService::render(const RenderSpec& spec, const Deadline& deadl
   const auto encoding = Clock::now();
   EncodedImage out{
       {}, api::media_type_of(spec.output.format), std::move(film.notes), film.times, film.exposure_ev};
-  const std::vector<TextField> metadata = {
+  std::vector<TextField> metadata = {
       {"Software", "Furnace " + std::string(version())},
       {"furnace:request", spec_hash(spec).hex()},
       {"furnace:fingerprint", painter_.fingerprint},
   };
+  metadata.insert(metadata.end(), film.attributes.begin(), film.attributes.end());
   pool_.run(Lane::kEncode, [&] { out.bytes = encode(film, spec.output, metadata); });
 
   out.times.queue_ms = queue_ms;

@@ -78,6 +78,8 @@ constexpr std::array kSettings = {
     number("max-area", &Config::max_area_px, Unit::kCount, 1, 256ll << 20,
            "largest width * height of a picture, px"),
     number("max-samples", &Config::max_samples, Unit::kCount, 1, 4096, "most samples a request may ask for"),
+    number("max-layers", &Config::max_layer_bytes, Unit::kBytes, 0, 64 * kGiB,
+           "film layers of one picture, as they are drawn"),
 
     number("max-connections", &Config::max_connections, Unit::kCount, 1, 65536,
            "connections that may wait for a thread; more are refused"),

@@ -138,6 +138,7 @@ FramePlan plan_glow(const FramePlan& plan, int max_tile_px) {
   set_samples(small, std::min(int(plan.jitter_px.size()), kMostSamples), {});
   small.film_type = SampleType::kFloat32;
   small.glow_only = true;
+  small.layers = {};
   return small;
 }
 

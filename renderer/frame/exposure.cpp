@@ -23,6 +23,7 @@ FramePlan plan_meter(const RenderSpec& spec, int max_tile_px) {
   plan.exposure = 1;
   plan.grade.reset();
   plan.bloom.reset();
+  plan.layers = {};
   if (!std::holds_alternative<EnvironmentBackground>(spec.environment.background)) {
     plan.background_top = plan.background_bottom = glm::vec4(0);
     plan.opaque = false;

@@ -40,6 +40,10 @@ std::optional<PlannedGrade> plan_grade(const ColorGrade& grade) {
                       float(grade.contrast), float(grade.saturation)};
 }
 
+// Each source of film layers has a target as large as a tile: of more than so many tiles are smaller.
+constexpr std::size_t kManySources = 8;
+constexpr int kTileOfManyPx = 512;
+
 }  // namespace
 
 // Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences": the R2 sequence, shifted so that sample 0 is the
@@ -73,6 +77,8 @@ void set_samples(FramePlan& plan, int count, const PixelFilter& filter) {
 
 FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev) {
   FramePlan plan;
+  plan.layers = plan_layers(spec.output);
+  if (plan.layers.sources.size() > kManySources) max_tile_px = std::min(max_tile_px, kTileOfManyPx);
   set_picture(plan, {spec.output.width, spec.output.height}, {max_tile_px, max_tile_px});
   set_samples(plan, spec.output.samples, spec.output.pixel_filter);
 

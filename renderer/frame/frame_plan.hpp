@@ -6,6 +6,7 @@
 
 #include <glm/glm.hpp>
 
+#include "renderer/frame/layer_plan.hpp"
 #include "renderer/image/image.hpp"
 #include "renderer/scene/framing.hpp"
 #include "renderer/scene/render_spec.hpp"
@@ -47,6 +48,7 @@ struct FramePlan {
   std::optional<PlannedGrade> grade;  // none: radiance stays as it is
   std::optional<PlannedBloom> bloom;
   bool glow_only = false;  // what is drawn is no picture, but what glows of it
+  LayerPlan layers;
   ToneMap tone_map = ToneMap::kPbrNeutral;
   SampleType film_type = SampleType::kUint8;  // kUint8/16: tone-mapped sRGB; kFloat16/32: linear
   bool opaque = true;                         // no transparent pixel can come out

@@ -4,6 +4,7 @@
 
 #include "renderer/frame/frame_uniform.hpp"
 #include "renderer/frame/ground_shadow.hpp"
+#include "renderer/frame/layer_view.hpp"
 #include "renderer/frame/passes.hpp"
 #include "renderer/gl/readback.hpp"
 
@@ -12,19 +13,40 @@ namespace {
 
 constexpr GLuint kFrameBinding = 0, kLightBinding = 4;
 
+// lib/visibility.glsl: key_of().
+std::uint32_t key_of_visibility(std::uint32_t y) {
+  constexpr int kNormalBits = 14;
+  return y >> kNormalBits;
+}
+
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
 PassContext emission_of(PassContext pass) {
   pass.emission = true;
+  pass.sum = &*pass.targets.emission;
+  return pass;
+}
+
+// The film layer of place i among the plan's sources.
+PassContext layer_of(PassContext pass, std::size_t i) {
+  pass.shown = pass.plan.layers.sources[i];
+  pass.sum = &pass.targets.layers[i];
   return pass;
 }
 
 void shade_and_accumulate(const PassContext& pass, std::size_t subframe) {
   pass_veil(pass);
   pass_shade(pass);
-  pass_accumulate(pass, subframe);
+  if (pass.sum != nullptr) pass_accumulate(pass, subframe);
+}
+
+// Uploads the block and binds it; it lives as long as what is returned.
+gl::Buffer bind_frame(gl::Context& context, const gpu::FrameBlock& frame) {
+  gl::Buffer uniform = gl::create_buffer(context, &frame, sizeof frame);
+  glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniform.id());
+  return uniform;
 }
 
 }  // namespace
@@ -41,10 +63,10 @@ void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, co
   const GroundRectangle* ground_map =
       job.scene.ground_shadow != nullptr ? &job.scene.ground_shadow->rectangle : nullptr;
   const gpu::FrameBlock frame = pack_frame(plan, job.view, job.prepared, ground_map, tile, subframe);
-  const gl::Buffer uniform = gl::create_buffer(context_, &frame, sizeof frame);
-  glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniform.id());
-  const PassContext pass{context_, programs_,           job.residency, plan, job.targets,    job.scene,
-                         tile,     empty_vertex_array_, frame,         glow, glow == nullptr};
+  const gl::Buffer uniform = bind_frame(context_, frame);
+  PassContext pass{context_, programs_,           job.residency, plan, job.targets,    job.scene,
+                   tile,     empty_vertex_array_, frame,         glow, glow == nullptr};
+  if (subframes > 1 || pass.is_backdrop) pass.sum = &*job.targets.accumulated;
   gl::Buffer light_uniform;
   if (!job.prepared.lights.empty()) {
     const LightPlan lights = plan_lights(job.prepared.lights, job.prepared.bounds, {tile.x, tile.y},
@@ -56,17 +78,82 @@ void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, co
     if (subframes > 1 || &tile == &plan.tiles.front()) pass_shadow(pass, lights);
   }
   pass_visibility(pass);
+  if (!pass.is_backdrop) draw_layers(job, pass, subframe);
   const bool emission = !pass.is_backdrop && plan.bloom && plan.bloom->source == BloomSource::kEmission;
   if (emission) shade_and_accumulate(emission_of(pass), subframe);
-  if (!(emission && plan.glow_only)) shade_and_accumulate(pass, subframe);
+  if (pass.is_backdrop || (plan.layers.needs_picture() && !(emission && plan.glow_only)))
+    shade_and_accumulate(pass, subframe);
   glFinish();
   if (subframe + 1 < subframes) return;
   if (pass.is_backdrop) {
     pass_backdrop(pass);
   } else {
-    pass_resolve(pass);
+    resolve(job, pass);
   }
   glFinish();
+}
+
+// Who covers the sub-frame, and what its surfaces show in place of radiance.
+void FrameRenderer::draw_layers(const FrameJob& job, const PassContext& pass, std::size_t subframe) {
+  const LayerPlan& layers = pass.plan.layers;
+  if (layers.any_matte()) {
+    const Extent samples{2 * pass.tile.size.width, 2 * pass.tile.size.height};
+    constexpr int kKeys = 1;
+    std::vector<std::uint32_t> keys =
+        gl::read_numbers(context_, pass.targets.visibility.framebuffer, samples, kKeys);
+    for (std::uint32_t& key : keys) key = key_of_visibility(key);
+    job.layers.add_to_mattes(keys, pass.plan.weights[subframe]);
+  }
+  for (std::size_t i = 0; i < layers.sources.size(); ++i) {
+    const FilmLayer source = layers.sources[i];
+    if (row_of(source).kind == FilmLayerKind::kPlace || source == FilmLayer::kGlow) continue;
+    check_deadline(job.deadline, "draw");
+    shade_and_accumulate(layer_of(pass, i), subframe);
+    glFinish();
+  }
+}
+
+// What is where: of one sample in the middle of each pixel and of the lens.
+void FrameRenderer::draw_places(const FrameJob& job, const Tile& tile) {
+  View pinhole = job.view;
+  pinhole.lens = {};
+  const gpu::FrameBlock frame = pack_frame(job.plan, pinhole, job.prepared, nullptr, tile, 0);
+  const gl::Buffer uniform = bind_frame(context_, frame);
+  const PassContext pass{context_,    programs_, job.residency, job.plan,
+                         job.targets, job.scene, tile,          empty_vertex_array_,
+                         frame};
+  pass_visibility(pass);
+  for (std::size_t i = 0; i < job.plan.layers.sources.size(); ++i) {
+    if (row_of(job.plan.layers.sources[i]).kind != FilmLayerKind::kPlace) continue;
+    check_deadline(job.deadline, "draw");
+    const PassContext places = layer_of(pass, i);
+    pass_shade(places);
+    pass_keep(places);
+    glFinish();
+  }
+}
+
+// The picture of all sub-frames, or the film layer that stands in its place.
+void FrameRenderer::resolve(const FrameJob& job, const PassContext& pass) {
+  const LayerPlan& layers = pass.plan.layers;
+  if (const auto glow = layers.place_of(FilmLayer::kGlow)) pass_glow(pass, job.targets.layers[*glow]);
+  if (!layers.shown) {
+    pass_resolve(pass);
+  } else if (layers.shows_radiance()) {
+    pass_resolve(layer_of(pass, *layers.place_of(source_of(*layers.shown))));
+  }
+}
+
+void FrameRenderer::read_tile(const FrameJob& job, const Tile& tile, Image& pixels) {
+  const LayerPlan& layers = job.plan.layers;
+  if (!layers.shown || layers.shows_radiance())
+    gl::read_pixels(context_, job.targets.film.framebuffer, tile.size, pixels, tile.x, tile.y);
+  if (layers.sources.empty()) return;
+  Image drawn = make_image(tile.size, 4, SampleType::kFloat32, ColorSpace::kNonColor);
+  for (std::size_t i = 0; i < layers.sources.size(); ++i) {
+    gl::read_pixels(context_, job.targets.layers[i].framebuffer, tile.size, drawn, 0, 0);
+    job.layers.store(layers.sources[i], drawn, tile);
+  }
 }
 
 void FrameRenderer::draw_backdrop(const FrameJob& job) {
@@ -87,8 +174,11 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
   const bool emission = plan.bloom && plan.bloom->source == BloomSource::kEmission;
   // The glow's are of one size or few, and kept beside the picture's.
   std::optional<FrameTargets>& targets = plan.glow_only ? glow_targets_ : picture_targets_;
-  provide_targets(context_, plan, {veil, subframes > 1 || scene.nearest_glass_m, emission}, targets);
-  const FrameJob job{residency, plan, view, scene, prepared, deadline, *targets};
+  provide_targets(context_, plan,
+                  {veil, subframes > 1 || scene.nearest_glass_m, emission, plan.layers.sources.size()},
+                  targets);
+  FilmLayers layers(plan, view, prepared);
+  const FrameJob job{residency, plan, view, scene, prepared, deadline, *targets, layers};
   gl::Texture glow;
   if (plan.bloom && !plan.glow_only) glow = gl::upload_texture(context_, plan.bloom->glow, false);
   FrameResult result;
@@ -99,13 +189,20 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
   result.draw_ms += ms_since(backdrop_start);
   for (const Tile& tile : plan.tiles) {
     const Clock::time_point start = Clock::now();
+    layers.begin_mattes(tile);
+    if (plan.layers.any(FilmLayerKind::kPlace)) draw_places(job, tile);
     for (std::size_t i = 0; i < subframes; ++i) draw_subframe(job, plan, tile, i, &glow);
     result.draw_ms += ms_since(start);
 
     const Clock::time_point read_start = Clock::now();
-    gl::read_pixels(context_, targets->film.framebuffer, tile.size, result.pixels, tile.x, tile.y);
+    read_tile(job, tile, result.pixels);
+    layers.store_mattes(tile);
     result.readback_ms += ms_since(read_start);
   }
+  if (plan.layers.shown && !plan.layers.shows_radiance())
+    result.pixels = view_of(layers.shown(), plan, view, prepared.bounds);
+  result.attributes = layers.attributes();
+  result.layers = layers.take_layers();
   return result;
 }
 

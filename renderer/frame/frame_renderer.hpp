@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "renderer/base/deadline.hpp"
+#include "renderer/frame/film_layers.hpp"
 #include "renderer/frame/frame_plan.hpp"
 #include "renderer/frame/frame_targets.hpp"
 #include "renderer/gl/program.hpp"
@@ -12,9 +13,14 @@
 namespace furnace {
 
 struct FrameResult {
-  Image pixels;  // RGBA of the plan's film_type, straight alpha for kUint8/16, premultiplied else
+  // RGBA of the plan's film_type, straight alpha for kUint8/16, premultiplied else; of a film layer's numbers what view_of() makes.
+  Image pixels;
+  std::vector<ImageLayer> layers;     // of the plan
+  std::vector<TextField> attributes;  // that belong to them
   double draw_ms = 0, readback_ms = 0;
 };
+
+struct PassContext;
 
 // Threads: the context's. Owns: render targets.
 class FrameRenderer {
@@ -39,8 +45,13 @@ class FrameRenderer {
     const PreparedScene& prepared;
     const Deadline& deadline;
     FrameTargets& targets;
+    FilmLayers& layers;
   };
   void draw_backdrop(const FrameJob& job);
+  void draw_places(const FrameJob& job, const Tile& tile);
+  void draw_layers(const FrameJob& job, const PassContext& pass, std::size_t subframe);
+  void resolve(const FrameJob& job, const PassContext& pass);
+  void read_tile(const FrameJob& job, const Tile& tile, Image& pixels);
   void draw_subframe(const FrameJob& job, const FramePlan& plan, const Tile& tile, std::size_t subframe,
                      const gl::Texture* glow);
 

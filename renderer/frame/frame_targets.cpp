@@ -67,6 +67,9 @@ void provide_targets(gl::Context& context, const FramePlan& plan, TargetNeeds ne
     targets->accumulated = create_color_target(context, kRadiance, plan.tile_size);
   if (needs.emission && !targets->emission)
     targets->emission = create_color_target(context, kRadiance, plan.tile_size);
+  if (targets->layers.size() > needs.layers) targets->layers.resize(needs.layers);
+  while (targets->layers.size() < needs.layers)
+    targets->layers.push_back(create_color_target(context, kRadiance, plan.tile_size));
 }
 
 void provide_backdrop(gl::Context& context, Extent size, FrameTargets& targets) {

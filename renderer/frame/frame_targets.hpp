@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "renderer/frame/frame_plan.hpp"
 #include "renderer/gl/texture.hpp"
@@ -59,11 +60,13 @@ struct FrameTargets {
   std::optional<ColorTarget> accumulated;  // RGBA32F: the mean of several sub-frames
   std::optional<BackdropTarget> backdrop;  // only for scenes with transmissive surfaces
   std::optional<ColorTarget> emission;     // RGBA32F: the mean of what the surfaces emit, for bloom
+  std::vector<ColorTarget> layers;         // RGBA32F: LayerPlan::sources
   ColorTarget film;                        // what is read back
 };
 
 struct TargetNeeds {
   bool veil = false, accumulated = false, emission = false;
+  std::size_t layers = 0;
 };
 
 // Makes a shadow target of at least so many views and of this side; what fits is kept. `targets` is provided.

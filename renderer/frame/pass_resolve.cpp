@@ -1,6 +1,7 @@
 #include <array>
 
 #include "renderer/frame/draw_binding.hpp"
+#include "renderer/scene/transform.hpp"
 
 namespace furnace {
 namespace {
@@ -13,6 +14,7 @@ enum ToneCurve : GLuint {
   kCurveAces = 3,
   kCurveAgx = 4,
   kCurveReinhard = 5,
+  kCurveGlow = 6,  // none: what bloom changes, as it is
 };
 
 ToneCurve tone_curve(const FramePlan& plan) {
@@ -44,14 +46,15 @@ void draw_screen(const PassContext& pass, const gl::Texture& source) {
   draw_viewport(pass.empty_vertex_array);
 }
 
-bool is_lone(const FramePlan& plan) {
-  return plan.jitter_px.size() == 1;
-}
+// What stands behind a film layer that is shown alone.
+constexpr glm::vec4 kBlack{0, 0, 0, 1};
 
 glm::vec4 background_at(const PassContext& pass, int row) {
   return glm::mix(pass.plan.background_top, pass.plan.background_bottom,
                   float(row) / float(pass.plan.picture.height));
 }
+
+constexpr GLint kExposureLocation = 5;
 
 // `composes`: this pass is the first to read the sub-frame, so it puts veil and background to it.
 GLuint screen_program(const PassContext& pass, const char* fragment, bool composes, bool fragment_exposes,
@@ -60,7 +63,8 @@ GLuint screen_program(const PassContext& pass, const char* fragment, bool compos
     features |= gl::kFeatureVeil;
     bind_texels(pass.context, pass.residency, 1, pass.targets.veil->color);
   }
-  const bool backed = composes && !pass.emission && !pass.is_backdrop;
+  const bool shows_other = pass.shown && pass.shown != FilmLayer::kBackground;
+  const bool backed = composes && !pass.emission && !shows_other && !pass.is_backdrop;
   const bool sky = backed && pass.scene.background != nullptr;
   if (sky) {
     features |= gl::kFeatureSky;
@@ -76,13 +80,14 @@ GLuint screen_program(const PassContext& pass, const char* fragment, bool compos
     bind_ground(pass);
   }
   const GLuint program = pass.programs.request(pass.context, {"screen/fullscreen.vert", fragment, features});
-  constexpr GLint kBackgroundLocation = 3, kExposureLocation = 5;
+  constexpr GLint kBackgroundLocation = 3;
   if (fragment_exposes || (composes && pass.veiled()))
-    glProgramUniform1f(program, kExposureLocation, float(pass.plan.exposure));
+    glProgramUniform1f(program, kExposureLocation, pass.veil_exposure());
   if (!sky) {
     std::array<glm::vec4, 2> ends{};
     if (backed)
       ends = {background_at(pass, pass.tile.y), background_at(pass, pass.tile.y + pass.tile.size.height)};
+    if (!composes && pass.shown && pass.plan.opaque) ends.fill(kBlack);
     glProgramUniform4fv(program, kBackgroundLocation, 2, &ends[0].x);
   }
   return program;
@@ -114,37 +119,53 @@ void bind_bloom(const PassContext& pass, GLuint program) {
     bind_texels(pass.context, pass.residency, kEmissionUnit, pass.targets.emission->color);
 }
 
-void resolve_picture(const PassContext& pass, const gl::Texture& frame, bool lone) {
+const gl::Texture& frame_of(const PassContext& pass) {
+  return pass.sum != nullptr ? pass.sum->color : pass.targets.shading.color;
+}
+
+// `composes`: as screen_program().
+GLuint resolve_program(const PassContext& pass, bool composes, gl::FeatureSet features) {
+  const bool blooms = pass.plan.bloom && !pass.shown;
+  if (blooms) features |= gl::kFeatureBloom;
+  if (blooms && emission_glows(pass)) features |= gl::kFeatureEmission;
+  const GLuint program = screen_program(pass, "screen/resolve.frag", composes, true, features);
+  if (blooms) bind_bloom(pass, program);
+  return program;
+}
+
+constexpr GLint kCurveLocation = 1, kLargestLocation = 2;
+// The radiance of a white surface.
+constexpr float kWhiteFromIrradiance = float(1 / kPi);
+
+void resolve_picture(const PassContext& pass) {
   const ToneCurve curve = tone_curve(pass.plan);
   const bool graded = pass.plan.grade || curve > kCurveSceneLinear;
-  gl::FeatureSet features = graded ? gl::FeatureSet(gl::kFeatureGrade) : 0;
-  if (pass.plan.bloom) features |= gl::kFeatureBloom;
-  if (emission_glows(pass)) features |= gl::kFeatureEmission;
-  const GLuint program = screen_program(pass, "screen/resolve.frag", lone, true, features);
+  const GLuint program =
+      resolve_program(pass, pass.sum == nullptr, graded ? gl::FeatureSet(gl::kFeatureGrade) : 0);
   if (graded) set_grade(program, pass.plan.grade.value_or(PlannedGrade{}));
-  if (pass.plan.bloom) bind_bloom(pass, program);
+  if (pass.shown == FilmLayer::kIrradiance && !pass.plan.scene_linear())
+    glProgramUniform1f(program, kExposureLocation, pass.veil_exposure() * kWhiteFromIrradiance);
   constexpr float kLargestHalf = 65504, kLargestFloat = 3.4e38f;
-  glProgramUniform1ui(program, 1, curve);
-  glProgramUniform1f(program, 2, pass.plan.film_type == SampleType::kFloat16 ? kLargestHalf : kLargestFloat);
+  glProgramUniform1ui(program, kCurveLocation, curve);
+  glProgramUniform1f(program, kLargestLocation,
+                     pass.plan.film_type == SampleType::kFloat16 ? kLargestHalf : kLargestFloat);
   glUseProgram(program);
-  draw_screen(pass, frame);
+  draw_screen(pass, frame_of(pass));
 }
 
 // Emission is always accumulated, so it is composed already.
-void resolve_glow(const PassContext& pass, const gl::Texture& frame, bool lone) {
+void resolve_glow(const PassContext& pass) {
   const bool emission = emission_glows(pass);
-  const GLuint program = screen_program(pass, "screen/glow.frag", lone && !emission, true, 0);
+  const GLuint program = screen_program(pass, "screen/glow.frag", pass.sum == nullptr && !emission, true, 0);
   set_bloom(program, *pass.plan.bloom);
   glUseProgram(program);
-  draw_screen(pass, emission ? pass.targets.emission->color : frame);
+  draw_screen(pass, emission ? pass.targets.emission->color : frame_of(pass));
 }
 
 }  // namespace
 
 void pass_accumulate(const PassContext& pass, std::size_t subframe) {
-  if (is_lone(pass.plan) && !pass.emission && !pass.is_backdrop) return;
-  const ColorTarget& target = pass.emission ? *pass.targets.emission : *pass.targets.accumulated;
-  gl::PassState state = tile_state(pass, target.framebuffer, Grid::kPixels);
+  gl::PassState state = tile_state(pass, pass.sum->framebuffer, Grid::kPixels);
   state.blend = subframe == 0 ? gl::Blend::kOff : gl::Blend::kAdd;
   gl::begin_pass(pass.context, state);
   const GLuint program = screen_program(pass, "screen/accumulate.frag", true, false, 0);
@@ -153,18 +174,31 @@ void pass_accumulate(const PassContext& pass, std::size_t subframe) {
   draw_screen(pass, pass.targets.shading.color);
 }
 
+void pass_keep(const PassContext& pass) {
+  glCopyImageSubData(pass.targets.shading.color.id(), GL_TEXTURE_2D, 0, 0, 0, 0, pass.sum->color.id(),
+                     GL_TEXTURE_2D, 0, 0, 0, 0, pass.tile.size.width, pass.tile.size.height, 1);
+}
+
 void pass_backdrop(const PassContext& pass) {
   const BackdropTarget& backdrop = *pass.targets.backdrop;
-  glCopyImageSubData(pass.targets.accumulated->color.id(), GL_TEXTURE_2D, 0, 0, 0, 0, backdrop.color.id(),
-                     GL_TEXTURE_2D, 0, pass.tile.x, pass.tile.y, 0, pass.tile.size.width,
-                     pass.tile.size.height, 1);
+  glCopyImageSubData(pass.sum->color.id(), GL_TEXTURE_2D, 0, 0, 0, 0, backdrop.color.id(), GL_TEXTURE_2D, 0,
+                     pass.tile.x, pass.tile.y, 0, pass.tile.size.width, pass.tile.size.height, 1);
+}
+
+void pass_glow(const PassContext& pass, const ColorTarget& into) {
+  gl::PassState state = tile_state(pass, into.framebuffer, Grid::kPixels);
+  state.clear_color = glm::vec4(0);
+  gl::begin_pass(pass.context, state);
+  if (!pass.plan.bloom) return;
+  const GLuint program = resolve_program(pass, pass.sum == nullptr, 0);
+  glProgramUniform1ui(program, kCurveLocation, kCurveGlow);
+  glUseProgram(program);
+  draw_screen(pass, frame_of(pass));
 }
 
 void pass_resolve(const PassContext& pass) {
   gl::begin_pass(pass.context, tile_state(pass, pass.targets.film.framebuffer, Grid::kPixels));
-  const bool lone = is_lone(pass.plan);
-  const gl::Texture& frame = lone ? pass.targets.shading.color : pass.targets.accumulated->color;
-  pass.plan.glow_only ? resolve_glow(pass, frame, lone) : resolve_picture(pass, frame, lone);
+  pass.plan.glow_only ? resolve_glow(pass) : resolve_picture(pass);
 }
 
 }  // namespace furnace

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "renderer/frame/draw_binding.hpp"
+#include "renderer/frame/layer_binding.hpp"
 
 namespace furnace {
 namespace {
@@ -64,7 +65,8 @@ void find_shares(const PassContext& pass, const Rect& rect) {
   state.depth = gl::DepthUse::kWrite;
   gl::begin_pass(pass.context, state);
   limit_to(rect);
-  bind_program(pass, "screen/fullscreen.vert", "visibility/shares.frag", 0);
+  bind_program(pass, "screen/fullscreen.vert", "visibility/shares.frag",
+               pass.shows(FilmLayerKind::kPlace) ? gl::FeatureSet(gl::kFeatureNearest) : 0);
   bind_texels(pass.context, pass.residency, 0, pass.targets.visibility.texels);
   bind_texels(pass.context, pass.residency, 1, pass.targets.visibility.depth);
   draw_viewport(pass.empty_vertex_array);
@@ -102,10 +104,11 @@ void shade_layer(const PassContext& pass, const std::vector<Rect>& rects, GLuint
     const Draw& draw = pass.scene.deferred[i];
     limit_to(rects[i]);
     const gl::FeatureSet features =
-        (draw.features & ~gl::FeatureSet(gl::kFeatureAlphaMask)) | veil | pass.shown();
+        shown_features(pass, draw.features & ~gl::FeatureSet(gl::kFeatureAlphaMask)) | veil;
     const GLuint program =
         pass.programs.request(pass.context, {"surface/deferred.vert", "surface/deferred.frag", features});
     glProgramUniform1ui(program, kLayerLocation, layer);
+    set_shown(pass, program);
     glUseProgram(program);
     bind_draw(pass.scene, draw);
     bind_texels(pass.context, pass.residency, kVerticesUnit, draw.mesh->vertex_texels);

@@ -1,12 +1,16 @@
 #include <algorithm>
 
 #include "renderer/frame/draw_binding.hpp"
+#include "renderer/frame/layer_binding.hpp"
 
 namespace furnace {
 namespace {
 
 void bind(const PassContext& pass, const Draw& draw) {
-  bind_program(pass, "surface/forward.vert", "surface/forward.frag", draw.features | pass.shown());
+  const GLuint program = pass.programs.request(
+      pass.context, {"surface/forward.vert", "surface/forward.frag", shown_features(pass, draw.features)});
+  set_shown(pass, program);
+  glUseProgram(program);
   bind_draw(pass.scene, draw);
 }
 

@@ -24,9 +24,16 @@ struct PassContext {
   bool is_backdrop =
       false;              // draws what stands behind transmissive surfaces: neither these nor the background
   bool emission = false;  // nothing is drawn but what surfaces emit
+  std::optional<FilmLayer> shown = {};  // in place of radiance: one of LayerPlan::sources
+  const ColorTarget* sum =
+      nullptr;  // where sub-frames are added up; null: a lone one is resolved as it was shaded
 
-  bool veiled() const { return !scene.blended.empty() || !scene.strokes.empty(); }
-  gl::FeatureSet shown() const { return emission ? gl::FeatureSet(gl::kFeatureEmission) : 0; }
+  bool shows(FilmLayerKind kind) const { return shown && row_of(*shown).kind == kind; }
+  bool veiled() const {
+    return !(scene.blended.empty() && scene.strokes.empty()) && !shows(FilmLayerKind::kPlace);
+  }
+  // Numbers of surfaces are no radiance; the veil holds them as they are.
+  float veil_exposure() const { return shows(FilmLayerKind::kValue) ? 1 : float(plan.exposure); }
 };
 
 // What each view of `lights` sees of the scene, into its shadow map.
@@ -37,13 +44,16 @@ void pass_visibility(const PassContext& pass);
 void pass_veil(const PassContext& pass);
 // Shades what is visible: once a pixel and surface.
 void pass_shade(const PassContext& pass);
-// Composes the sub-frame with veil and background and adds it into the accumulated frame by its weight; the first one replaces
-// it. A lone sub-frame is not accumulated, but for its emission and for the backdrop.
+// Composes the sub-frame with veil and background and adds it into `sum` by its weight; the first one replaces what was there.
 void pass_accumulate(const PassContext& pass, std::size_t subframe);
+// What was shaded, as it is, into `sum`.
+void pass_keep(const PassContext& pass);
+// What bloom adds to the picture and takes from it, of all sub-frames, into a target.
+void pass_glow(const PassContext& pass, const ColorTarget& into);
 // The accumulated tile, into its place in the backdrop.
 void pass_backdrop(const PassContext& pass);
-// Exposure, bloom, tone curve and transfer function of the accumulated frame (or of the lone sub-frame, composed) into the
-// film; of a plan for the glow, what glows.
+// Exposure, bloom, tone curve and transfer function of `sum` (or of the lone sub-frame, composed) into the film; of a plan for
+// the glow, what glows.
 void pass_resolve(const PassContext& pass);
 
 }  // namespace furnace

@@ -29,4 +29,13 @@ void read_pixels(Context&, const Framebuffer& framebuffer, Extent size, Image& i
   glPixelStorei(GL_PACK_ROW_LENGTH, 0);
 }
 
+std::vector<std::uint32_t> read_numbers(Context&, const Framebuffer& framebuffer, Extent size, int which) {
+  std::vector<std::uint32_t> numbers(std::size_t(size.area()));
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer.id());
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, size.width, size.height, which == 0 ? GL_RED_INTEGER : GL_GREEN_INTEGER, GL_UNSIGNED_INT,
+               numbers.data());
+  return numbers;
+}
+
 }  // namespace furnace::gl

@@ -25,6 +25,17 @@ enum class ExrCompression { kNone, kZip, kPiz, kDwaa };  // kDwaa is lossy
 std::string encode_exr(const Image& image, const std::vector<TextField>& metadata,
                        std::optional<ExrCompression> compression = {});
 
+// A picture beside another of the same size.
+struct ImageLayer {
+  std::string name;      // unique in its file, without a period
+  std::string channels;  // a letter each, in the order of the image's; all different
+  Image image;           // kFloat16 or kFloat32
+};
+// The same with layers in one part: channels NAME.LETTER. Without a `compression`: ZIP, whose blocks compositors read fastest.
+std::string encode_exr_layers(const Image& image, const std::vector<ImageLayer>& layers,
+                              const std::vector<TextField>& metadata,
+                              std::optional<ExrCompression> compression = {});
+
 // kUint8 sRGB, 1 or 3 channels: baseline, chroma not halved; metadata as comments. `quality` is libjpeg's, 1 to 100.
 std::string encode_jpeg(const Image& image, int quality, const std::vector<TextField>& metadata);
 

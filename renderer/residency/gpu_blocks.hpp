@@ -21,6 +21,7 @@ using uint = std::uint32_t;
 #include "shaders/interface/layer_block.glsl"
 #include "shaders/interface/light_block.glsl"
 #include "shaders/interface/material_block.glsl"
+#include "shaders/interface/shown.glsl"
 
 static_assert(sizeof(DrawBlock) % 16 == 0 && sizeof(FrameBlock) % 16 == 0 &&
               sizeof(MaterialBlock) % 16 == 0 && sizeof(GroundBlock) % 16 == 0 &&

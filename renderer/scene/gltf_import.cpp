@@ -339,6 +339,7 @@ void Importer::add_instance(Instance instance, int node_index, const glm::dmat4&
   }
   instance.world_from_model = glm::mat4(world_from_model);
   instance.node_name = document_.nodes[static_cast<std::size_t>(node_index)].name;
+  if (instance.node_name.empty()) instance.node_name = "/nodes/" + std::to_string(node_index);
   scene_.instances.push_back(std::move(instance));
 }
 

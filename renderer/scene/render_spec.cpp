@@ -95,8 +95,8 @@ class CanonicalHash {
   }
 
   void add(const NodeSpec& value) {
-    const auto& [mesh, material, translation, rotation, scale] = value;
-    add_all(mesh, material, translation, rotation, scale);
+    const auto& [mesh, name, material, translation, rotation, scale] = value;
+    add_all(mesh, name, material, translation, rotation, scale);
   }
 
   void add(const Light& value) {
@@ -251,9 +251,9 @@ class CanonicalHash {
 
   void add(const OutputSpec& value) {
     const auto& [width, height, format, bit_depth, exr_type, exr_compression, compression_quality, lossless,
-                 tone_map, grade, pixel_filter, bloom, samples] = value;
+                 tone_map, grade, pixel_filter, bloom, samples, layers, shown] = value;
     add_all(width, height, format, bit_depth, exr_type, exr_compression, compression_quality, lossless,
-            tone_map, grade, pixel_filter, bloom, samples);
+            tone_map, grade, pixel_filter, bloom, samples, layers, shown);
   }
 
   void add(const RenderSpec& value) {
@@ -290,6 +290,15 @@ std::string format_fault(const RenderSpec& spec) {
     return "a JPEG cannot be transparent; ask for png, webp or exr, or for another background";
   if (output.format == OutputFormat::kWebp && std::max(output.width, output.height) > kMaxWebpSidePx)
     return "a WebP has at most " + std::to_string(kMaxWebpSidePx) + " px a side; ask for another format";
+  return {};
+}
+
+std::string layers_fault(const OutputSpec& output) {
+  if (output.layers.empty()) return {};
+  if (output.format != OutputFormat::kExr)
+    return "only an EXR keeps layers beside the picture; ask for format exr, or show one of them alone";
+  if (output.exr_compression == ExrCompression::kDwaa)
+    return "dwaa would change the numbers of layers; ask for another exrCompression";
   return {};
 }
 

@@ -15,6 +15,7 @@
 
 #include "renderer/image/encode.hpp"
 #include "renderer/image/image.hpp"
+#include "renderer/scene/film_layer.hpp"
 #include "renderer/scene/gltf_import.hpp"
 #include "renderer/scene/light.hpp"
 #include "renderer/scene/material.hpp"
@@ -66,7 +67,8 @@ struct MaterialOverride {
 };
 
 struct NodeSpec {
-  std::string mesh;  // built-in mesh name
+  std::string mesh;                 // built-in mesh name
+  std::optional<std::string> name;  // of its matte; none: its JSON pointer
   std::optional<std::string>
       material;                    // key of SceneSpec::materials or a preset name; none: default_material()
   glm::vec3 translation{0};        // m
@@ -241,7 +243,9 @@ struct OutputSpec {
   ColorGrade grade;
   PixelFilter pixel_filter;
   std::optional<Bloom> bloom;
-  int samples = 1;  // sub-frames, each with the context's MSAA
+  int samples = 1;                 // sub-frames, each with the context's MSAA
+  std::vector<FilmLayer> layers;   // beside the picture, of an EXR: in the order of their rows, each once
+  std::optional<FilmLayer> shown;  // in place of the picture; no matte
 };
 
 struct RenderSpec {
@@ -254,9 +258,11 @@ struct RenderSpec {
 
 // Why a file of the format cannot hold such a picture; "" when it can.
 std::string format_fault(const RenderSpec& spec);
+// Why its layers cannot be kept in such a file; "" when they can.
+std::string layers_fault(const OutputSpec& output);
 
 // Raised when the same canonical bytes would mean another picture.
-inline constexpr int kRenderSpecVersion = 3;
+inline constexpr int kRenderSpecVersion = 4;
 
 // Hash of the canonical form: equal for two specs that describe the same picture, whatever JSON they came
 // from.

@@ -55,7 +55,7 @@ struct Instance {
   int mesh = 0;      // index into Scene::meshes
   int material = 0;  // index into Scene::materials
   glm::mat4 world_from_model{1};
-  std::string node_name;
+  std::string node_name;  // never empty: of a node without one its JSON pointer
 };
 
 struct CameraNode {

@@ -50,6 +50,7 @@ Config local_config() {
   config.max_side_px = 16384;
   config.max_area_px = 256ll << 20;
   config.max_samples = 4096;
+  config.max_layer_bytes = 64ll << 30;
   config.max_json_bytes = 256ll << 20;
   config.max_file_bytes = 4ll << 30;
   config.timeout_ms = 24ll * 3600 * 1000;
@@ -109,7 +110,10 @@ RenderSpec make_spec(const Arguments& arguments, const RenderOptions& options, c
                      FileAssets& files) {
   const AssetResolver assets(files, job.parts, ImportLimits{});
   const api::RequestLimits limits = request_limits(arguments.config);
-  RenderSpec spec = api::parse_render_request(job.document, assets, limits);
+  OutputFormat format = OutputFormat::kPng;
+  for (const api::FormatRow& row : api::kFormats)
+    if (options.format == row.name) format = row.format;
+  RenderSpec spec = api::parse_render_request(job.document, assets, limits, format);
   if (!job.document_is_ours) {
     apply_options(options, api::parse_render_request(request_document(options, {}), assets, limits), spec);
   }
@@ -227,6 +231,11 @@ void add_options(CLI::App& command, Arguments& to) {
   command.add_option("--tint", options.white_balance_tint, "towards magenta, or green if negative");
   command.add_option("--contrast", options.contrast, "exponent about mid grey");
   command.add_option("--saturation", options.saturation, "0: grey, 1: as it is");
+  command
+      .add_option("--layers", options.layers,
+                  "of an EXR, beside the picture: depth,normal,albedo,cryptoObject ...; the schema has all")
+      ->delimiter(',');
+  command.add_option("--show", options.show, "one of them in place of the picture");
   command.add_option("--format", options.format, "png, exr, jpeg or webp; else the ending of OUT says it");
   command.add_option("--bit-depth", options.bit_depth, "of a PNG, 8 or 16");
   command.add_option("--exr-type", options.exr_type, "half or float");

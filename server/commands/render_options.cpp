@@ -118,6 +118,12 @@ std::string request_document(const RenderOptions& options, const std::string& mo
   bloom.add("intensity", options.bloom_intensity);
   output.add_object("bloom", bloom);
   output.add("pixelFilter", options.pixel_filter);
+  if (!options.layers.empty()) {
+    std::vector<std::string> names;
+    for (const std::string& layer : options.layers) names.push_back(json_text(layer));
+    output.add_raw("layers", fmt::format("[{}]", fmt::join(names, ",")));
+  }
+  output.add("show", options.show);
   output.add("quality", options.quality);
   output.add("samples", options.samples);
   request.add_object("scene", scene);
@@ -156,6 +162,8 @@ void apply_options(const RenderOptions& options, const RenderSpec& said, RenderS
   if (options.compression_quality) spec.output.compression_quality = said.output.compression_quality;
   if (options.lossless) spec.output.lossless = said.output.lossless;
   if (options.tone_map) spec.output.tone_map = said.output.tone_map;
+  if (!options.layers.empty()) spec.output.layers = said.output.layers;
+  if (options.show) spec.output.shown = said.output.shown;
   if (options.quality || options.samples) spec.output.samples = said.output.samples;
 }
 

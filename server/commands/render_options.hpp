@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "renderer/scene/render_spec.hpp"
 
@@ -18,6 +19,8 @@ struct RenderOptions {
   std::optional<double> white_balance_kelvin, white_balance_tint, contrast, saturation;
   std::optional<double> f_stop, focus_distance_m, bloom_intensity;
   std::optional<std::string> pixel_filter;
+  std::vector<std::string> layers;
+  std::optional<std::string> show;
   std::optional<double> azimuth_degrees, elevation_degrees, exposure_ev, rotation_degrees;
   std::optional<std::string> environment;  // a reference: "builtin:studio", "part:environment"
   std::optional<std::string> background;   // environment, transparent or #rrggbb

@@ -52,7 +52,12 @@ void main() {
   vec4 pixel = frame_pixel(ivec2(gl_FragCoord.xy));
   pixel.rgb = max(pixel.rgb, 0.0);  // a pixel filter may have negative lobes
 #if FEATURE_BLOOM
+  vec4 sharp = pixel;
   pixel = bloomed(pixel, ivec2(gl_FragCoord.xy));
+  if (tone_curve == 6u) {
+    out_color = pixel - sharp;
+    return;
+  }
 #endif
   float alpha = clamp(pixel.a, 0.0, 1.0);
 #if FEATURE_GRADE

@@ -124,6 +124,11 @@ Attributes seen_attributes(uint triangle, vec2 ndc_at) {
   a.color = interpolate(rows, 4, at);
 #endif
   a.front = front;
+#if FEATURE_SURFACE_VALUE
+  vec3 away_px = at * inversesqrt(max(dx * dx + dy * dy, 1e-20));
+  a.edge_px = min(away_px.x, min(away_px.y, away_px.z));
+  a.numbers = vec2(deferred.draw.x, triangle);
+#endif
 #if FEATURE_TRANSMISSION
   a.world_from_model_scale = deferred.scalars.w;
   vec3 step_x = deferred.world_from_model * interpolate(rows, 0, dx).xyz;
@@ -158,9 +163,12 @@ void main() {
   Attributes a = seen_attributes(is_ours ? triangle_of(texel) : 0u, ndc + offset_px * deferred.scalars.yz);
   Surface s = read_surface(a);
   float share = pixel_share(pixel, shares);
-  vec4 radiance = surface_radiance(s);
-#if FEATURE_TRANSMISSION && FEATURE_ALPHA_BLEND
+  vec4 radiance = surface_radiance(a, s);
+#if FEATURE_TRANSMISSION && FEATURE_ALPHA_BLEND && !FEATURE_SURFACE_VALUE
   radiance = covering(s, radiance);
+#endif
+#if FEATURE_NEAREST
+  share = 1.0;
 #endif
   out_color = radiance * share;
 }

@@ -164,6 +164,24 @@ float sheen_albedo(float NoV, float perceptual_roughness) {
 vec4 clearcoat_dfg(Surface s) { return textureLod(dfg_map, vec2(s.clearcoat_NoV, sqrt(s.clearcoat_alpha)), 0.0); }
 #endif
 
+// Of the environment, within the specular lobe of the base layer.
+vec3 specular_radiance(Surface s, float lean_rad, float perceptual_roughness) {
+#if FEATURE_ANISOTROPY
+  return anisotropic_radiance(s);
+#else
+  return reflected_radiance(s.normal, s.to_viewer, s.NoV, lean_rad, perceptual_roughness);
+#endif
+}
+
+// How far that lobe leans towards the normal; those of the older models look into the mirror direction.
+float lobe_lean(Surface s) {
+#if FEATURE_PHONG || FEATURE_SCHLICK_BECKMANN
+  return 0.0;
+#else
+  return textureLod(dfg_map, vec2(s.NoV, sqrt(s.alpha)), 0.0).z;
+#endif
+}
+
 Leaving environment_light(Surface s) {
   float perceptual_roughness = sqrt(s.alpha);
   Leaving out_light;
@@ -187,12 +205,7 @@ Leaving environment_light(Surface s) {
   vec4 dfg = textureLod(dfg_map, vec2(s.NoV, perceptual_roughness), 0.0);
   Reflectance r = reflectance(s, dfg.xy);
   BodyShares body = body_shares(s, r.body);
-#if FEATURE_ANISOTROPY
-  out_light.specular = r.specular * anisotropic_radiance(s);
-#else
-  out_light.specular =
-      r.specular * reflected_radiance(s.normal, s.to_viewer, s.NoV, dfg.z, perceptual_roughness);
-#endif
+  out_light.specular = r.specular * specular_radiance(s, dfg.z, perceptual_roughness);
 #endif
   out_light.diffuse = body.reflected * diffuse_radiance(normal_in_environment) * s.occlusion;
   out_light.specular *= specular_occlusion(s.NoV, s.occlusion, s.alpha);

@@ -41,10 +41,16 @@ void main() {
   a.world_from_model_scale = 1.0;
   a.curvature2 = 0.0;
 #endif
+#if FEATURE_SURFACE_VALUE
+  a.edge_px = 1.0;
+  a.numbers = vec2(0.0);
+#endif
   Surface s = read_surface(a);
-  vec3 radiance = surface_radiance(s).rgb;
+  vec3 radiance = surface_radiance(a, s).rgb;
+#if !FEATURE_SURFACE_VALUE
   const float largest_half = 65504.0;
   radiance = min(radiance * constants.atlas.z, vec3(largest_half));
+#endif
 #if FEATURE_ALPHA_BLEND
   out_color = vec4(radiance * s.base_color.a, s.base_color.a);
 #else

@@ -17,6 +17,10 @@ struct Attributes {
   float normal_change2;     // of the unit interpolated normal: see antialiased_alpha()
   bool front;
   float lod;                // aligned_lod() of the rest
+#if FEATURE_SURFACE_VALUE
+  float edge_px;            // away from the nearest edge of the triangle
+  vec2 numbers;             // of the draw and of the triangle; 0 where they are not known
+#endif
 #if FEATURE_TRANSMISSION
   float world_from_model_scale;
   float curvature2;         // of the interpolated normal over the world, 1/m^2
@@ -32,6 +36,7 @@ struct Surface {
   vec4 base_color;
   vec3 emissive;
   float metallic;
+  float perceptual_roughness;  // of the material
   float alpha;       // GGX, widened for the pixel
   float occlusion;
   vec3 normal;       // unit, world, towards the viewer's side
@@ -156,6 +161,7 @@ Surface read_surface(Attributes a) {
   s.to_viewer = normalize(a.to_viewer_world);
   s.position = a.position_world;
   s.NoV = clamp(dot(s.normal, s.to_viewer), MIN_COSINE, 1.0);
+  s.perceptual_roughness = roughness;
   s.alpha = antialiased_alpha(change2, roughness * roughness, constants.pixel.x);
   s.metal_f0 = s.base_color.rgb;
 #if FEATURE_SPECULAR

@@ -1,6 +1,7 @@
 // What is seen through a surface: KHR_materials_transmission, _volume and _dispersion. Behind it stands the backdrop, a picture of
 // all that is not seen through, and behind that the background.
 #include "lib/bicubic.glsl"
+#include "surface/film_layer.glsl"
 
 layout(binding = 30) uniform sampler2D backdrop_map;  // premultiplied radiance of the whole picture, without background; mipmapped
 layout(binding = 31) uniform sampler2D behind_map;    // the background's equirect map
@@ -56,6 +57,9 @@ vec4 covering(Surface s, vec4 radiance) {
   vec4 straight = textureLod(backdrop_map, place, 0.0);
   straight.rgb += (1.0 - straight.a) * behind_radiance(-s.to_viewer, place, 0.0);
   if (frame.backdrop_kind != BACKDROP_TRANSPARENT) straight.a = 1.0;
+#if FEATURE_LIGHT_PART
+  straight.rgb *= other_share.x;
+#endif
   return mix(straight, radiance, s.base_color.a);
 }
 #endif

@@ -29,6 +29,16 @@ void main() {
     }
     shares |= (texel_y[i] == 0u ? NO_SAMPLE : by) << 3u * i;
   }
+#if FEATURE_NEAREST
+  // Depth is reversed. A pixel of that surface alone keeps its shares, and is shaded at its centre.
+  uint nearest = 0u;
+  for (uint i = 1u; i < SAMPLE_COUNT; ++i) nearest = depth[i] > depth[nearest] ? i : nearest;
+  uint by = shaded_by(shares, nearest);
+  for (uint i = 0u; i < SAMPLE_COUNT; ++i) {
+    if (shaded_by(shares, i) != by) shares = shares & ~(7u << 3u * i) | NO_SAMPLE << 3u * i;
+  }
+  if (by != 0u) texel_y[0] = 0u;
+#endif
   out_shares = shares;
   gl_FragDepth = depth_of_key(key_of(texel_y[0]));
 }

@@ -93,7 +93,7 @@ const Schema& request_schema() {
 }
 
 RequestLimits generous_limits() {
-  return {1 << 20, std::int64_t{1} << 40, 1 << 20, 64, std::int64_t{1} << 24};
+  return {1 << 20, std::int64_t{1} << 40, 1 << 20, std::int64_t{1} << 50, 64, std::int64_t{1} << 24};
 }
 
 std::string json_text(const Value& value) {

@@ -107,12 +107,19 @@ TEST_F(ObjectsGlTest, EveryProgramBuilds) {
     for (FeatureSet b = a; b <= kMaterialFeatures; b <<= 1) surface_builds(a | b);
     surface_builds(kMaterialFeatures & ~a);
     builds("surface/deferred.vert", "surface/deferred.frag", a | kFeatureVeil);
+    for (const FeatureSet shown :
+         {FeatureSet(kFeatureEmission), FeatureSet(kFeatureSurfaceValue),
+          kFeatureSurfaceValue | kFeatureNearest, FeatureSet(kFeatureLightPart), FeatureSet(kFeatureLightTerm)}) {
+      surface_builds(a | shown);
+      surface_builds((kMaterialFeatures & ~a) | shown);
+    }
   }
   for (const FeatureSet features :
        {FeatureSet(0), FeatureSet(kFeatureAlphaMask), kFeatureAlphaMask | kFeatureMaterialMaps})
     builds("visibility/visibility.vert", "visibility/visibility.frag", features);
   for (const char* screen : {"visibility/shares.frag", "visibility/select.frag"})
     builds("screen/fullscreen.vert", screen, 0);
+  builds("screen/fullscreen.vert", "visibility/shares.frag", kFeatureNearest);
   for (const char* screen : {"screen/accumulate.frag", "screen/resolve.frag"}) {
     for (const FeatureSet sky :
          {FeatureSet(0), FeatureSet(kFeatureSky), FeatureSet(kFeatureSky | kFeatureMagnified)}) {

@@ -96,7 +96,11 @@ TEST(ShaderLibrary, FeatureBitsAreTheListOfTheInterface) {
       {kFeatureGroundShadow, "FEATURE_GROUND_SHADOW"},
       {kFeatureGrade, "FEATURE_GRADE"},
       {kFeatureBloom, "FEATURE_BLOOM"},
-      {kFeatureEmission, "FEATURE_EMISSION"}};
+      {kFeatureEmission, "FEATURE_EMISSION"},
+      {kFeatureSurfaceValue, "FEATURE_SURFACE_VALUE"},
+      {kFeatureLightPart, "FEATURE_LIGHT_PART"},
+      {kFeatureLightTerm, "FEATURE_LIGHT_TERM"},
+      {kFeatureNearest, "FEATURE_NEAREST"}};
   ASSERT_EQ(names.size(), std::size(expected));
   for (std::size_t bit = 0; bit < names.size(); ++bit) {
     EXPECT_EQ(expected[bit].first, FeatureSet(1) << bit);
