@@ -45,7 +45,8 @@ OrderedJson qualities() {
 
 OrderedJson film_layers() {
   OrderedJson list = OrderedJson::array();
-  for (const FilmLayerRow& row : kFilmLayers) list.push_back({{"name", row.name}, {"channels", row.channels}});
+  for (const FilmLayerRow& row : kFilmLayers)
+    list.push_back({{"name", row.name}, {"channels", row.channels}});
   return list;
 }
 

@@ -49,7 +49,7 @@ struct Film {
   Image image;
   std::vector<ImageLayer> layers;     // beside it
   std::vector<TextField> attributes;  // that a file of these layers carries
-  std::vector<Note> notes;  // what was not drawn as asked
+  std::vector<Note> notes;            // what was not drawn as asked
   StageTimes times;
   double exposure_ev = 0;  // stops by which radiance was multiplied
 };

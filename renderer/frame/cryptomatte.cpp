@@ -62,7 +62,8 @@ std::vector<TextField> matte_attributes(std::string_view layer, std::span<const 
     manifest += fmt::format("{}{}:\"{:08x}\"", manifest.empty() ? "" : ",", json_quoted(name),
                             std::bit_cast<std::uint32_t>(matte_id(name)));
   }
-  const std::string prefix = fmt::format("cryptomatte/{}/", fmt::format("{:08x}", murmur3_32(layer)).substr(0, 7));
+  const std::string prefix =
+      fmt::format("cryptomatte/{}/", fmt::format("{:08x}", murmur3_32(layer)).substr(0, 7));
   return {{prefix + "name", std::string(layer)},
           {prefix + "hash", "MurmurHash3_32"},
           {prefix + "conversion", "uint32_to_float32"},

@@ -63,9 +63,9 @@ FilmLayers::FilmLayers(const FramePlan& plan, const View& view, const PreparedSc
   material_of_key_ = numbers_of_names(draw_names(scene, true));
   const auto add_image = [&](FilmLayer layer, const std::string& name) {
     const std::string channels(row_of(layer).channels);
-    images_.push_back({name, channels,
-                       make_image(plan.picture, int(channels.size()), stored_type(layer, plan),
-                                  ColorSpace::kNonColor)});
+    images_.push_back(
+        {name, channels,
+         make_image(plan.picture, int(channels.size()), stored_type(layer, plan), ColorSpace::kNonColor)});
   };
   for (const FilmLayer layer : wanted.layers) {
     if (is_matte(layer)) continue;

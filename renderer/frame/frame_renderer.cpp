@@ -119,9 +119,8 @@ void FrameRenderer::draw_places(const FrameJob& job, const Tile& tile) {
   pinhole.lens = {};
   const gpu::FrameBlock frame = pack_frame(job.plan, pinhole, job.prepared, nullptr, tile, 0);
   const gl::Buffer uniform = bind_frame(context_, frame);
-  const PassContext pass{context_,    programs_, job.residency, job.plan,
-                         job.targets, job.scene, tile,          empty_vertex_array_,
-                         frame};
+  const PassContext pass{context_,  programs_, job.residency,       job.plan, job.targets,
+                         job.scene, tile,      empty_vertex_array_, frame};
   pass_visibility(pass);
   for (std::size_t i = 0; i < job.plan.layers.sources.size(); ++i) {
     if (row_of(job.plan.layers.sources[i]).kind != FilmLayerKind::kPlace) continue;

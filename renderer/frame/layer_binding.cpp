@@ -22,9 +22,7 @@ struct Shares {
 
 // The background has none of what surfaces send.
 Shares shares_of(FilmLayer part) {
-  const auto from_environment = [&](FilmLayer first) {
-    return part >= first && int(part) < int(first) + 4;
-  };
+  const auto from_environment = [&](FilmLayer first) { return part >= first && int(part) < int(first) + 4; };
   Shares shares;
   if (from_environment(FilmLayer::kDiffuseEnvironment))
     shares.environment[int(part) - int(FilmLayer::kDiffuseEnvironment)] = 1;

@@ -67,8 +67,8 @@ struct MaterialOverride {
 };
 
 struct NodeSpec {
-  std::string mesh;                 // built-in mesh name
-  std::optional<std::string> name;  // of its matte; none: its JSON pointer
+  std::string mesh;                      // built-in mesh name
+  std::optional<std::string> name = {};  // of its matte; none: its JSON pointer
   std::optional<std::string>
       material;                    // key of SceneSpec::materials or a preset name; none: default_material()
   glm::vec3 translation{0};        // m

@@ -26,6 +26,30 @@ TEST(FramePlan, TilesCoverThePictureOnce) {
   EXPECT_EQ(std::set<int>(covered.begin(), covered.end()), std::set<int>{1});
 }
 
+TEST(FramePlan, EachSourceOfLayersIsDrawnOnce) {
+  RenderSpec spec;
+  EXPECT_TRUE(plan_frame(spec, 1024).layers.sources.empty());
+  EXPECT_TRUE(plan_frame(spec, 1024).layers.needs_picture());
+  spec.output.layers = {FilmLayer::kDepth,     FilmLayer::kPosition, FilmLayer::kRoughness,
+                        FilmLayer::kOcclusion, FilmLayer::kCoverage, FilmLayer::kCryptoObject};
+  spec.output.shown = FilmLayer::kViewNormal;
+  const LayerPlan layers = plan_frame(spec, 1024).layers;
+  EXPECT_EQ(layers.sources, (std::vector{FilmLayer::kPosition, FilmLayer::kRoughness, FilmLayer::kNormal}));
+  EXPECT_TRUE(layers.any_matte());
+  EXPECT_FALSE(layers.needs_picture());
+  EXPECT_FALSE(layers.shows_radiance());
+  spec.output.shown = FilmLayer::kGlow;
+  EXPECT_TRUE(plan_frame(spec, 1024).layers.needs_picture());
+}
+
+TEST(FramePlan, ManyLayersAreDrawnInSmallerTiles) {
+  RenderSpec spec;
+  EXPECT_EQ(plan_frame(spec, 1024).tile_size, (Extent{1024, 1024}));
+  for (const FilmLayerRow& row : kFilmLayers) spec.output.layers.push_back(row.layer);
+  EXPECT_EQ(plan_frame(spec, 1024).tile_size, (Extent{512, 512}));
+  EXPECT_EQ(plan_frame(spec, 64).tile_size, (Extent{64, 64}));
+}
+
 TEST(FramePlan, SubFramesStartAtTheCentreAndStayInThePixel) {
   RenderSpec spec;
   spec.output.samples = 64;

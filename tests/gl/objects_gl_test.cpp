@@ -107,9 +107,9 @@ TEST_F(ObjectsGlTest, EveryProgramBuilds) {
     for (FeatureSet b = a; b <= kMaterialFeatures; b <<= 1) surface_builds(a | b);
     surface_builds(kMaterialFeatures & ~a);
     builds("surface/deferred.vert", "surface/deferred.frag", a | kFeatureVeil);
-    for (const FeatureSet shown :
-         {FeatureSet(kFeatureEmission), FeatureSet(kFeatureSurfaceValue),
-          kFeatureSurfaceValue | kFeatureNearest, FeatureSet(kFeatureLightPart), FeatureSet(kFeatureLightTerm)}) {
+    for (const FeatureSet shown : {FeatureSet(kFeatureEmission), FeatureSet(kFeatureSurfaceValue),
+                                   kFeatureSurfaceValue | kFeatureNearest, FeatureSet(kFeatureLightPart),
+                                   FeatureSet(kFeatureLightTerm)}) {
       surface_builds(a | shown);
       surface_builds((kMaterialFeatures & ~a) | shown);
     }

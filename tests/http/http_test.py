@@ -40,6 +40,24 @@ class Pictures(Case):
             self.assertEqual(answer.headers["content-type"], "image/x-exr")
             self.assertEqual(answer.body[:4], b"\x76\x2f\x31\x01")
 
+    def test_layers_of_one_exr(self):
+        wanted = ["depth", "diffuseEnvironment", "cryptoObject"]
+        answer = self.server.render({**small(format="exr", layers=wanted), "scene": {"nodes": [{"mesh": "builtin:cube", "name": "die"}]}})
+        self.assertEqual(answer.status, 200, answer.body[:500])
+        header = answer.body[:4096]
+        for channel in (b"R", b"depth.Z", b"diffuseEnvironment.G", b"cryptoObject02.A"):
+            self.assertIn(b"\0" + channel + b"\0", header)
+        self.assertIn(b'{"die":"', header)
+        self.assertNotEqual(answer.headers["etag"], self.server.render(small(format="exr")).headers["etag"])
+        refused = self.server.render(small(layers=wanted))
+        self.assertEqual(refused.status, 422)
+        self.assertEqual(json.loads(refused.body)["pointer"], "/output/layers")
+
+    def test_one_layer_alone(self):
+        pixels = self.expect_picture(self.server.render(small(48, 32, show="viewNormal")), 48, 32)
+        self.assertIn((0, 0, 0), {pixel[:3] for pixel in pixels})
+        self.assertGreater(max(pixel[2] for pixel in pixels), 240, "what is seen looks this way")
+
     def test_the_printed_command_works(self):
         with tempfile.TemporaryDirectory() as folder:
             subprocess.run(self.server.lines[1], shell=True, check=True, cwd=folder, stderr=subprocess.DEVNULL)

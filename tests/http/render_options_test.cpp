@@ -43,6 +43,8 @@ RenderOptions everything() {
   options.sun = "keep";
   options.shading_model = "phong";
   options.ground = true;
+  options.layers = {"normal", "depth"};
+  options.show = "albedo";
   return options;
 }
 
@@ -91,6 +93,8 @@ TEST(RenderOptions, EveryOptionIsUnderstoodByTheApi) {
   EXPECT_EQ(spec.environment.sun, SunMode::kKeep);
   EXPECT_EQ(spec.scene.shading_model, ShadingModel::kPhong);
   EXPECT_TRUE(spec.environment.ground);
+  EXPECT_EQ(spec.output.layers, (std::vector{FilmLayer::kDepth, FilmLayer::kNormal}));
+  EXPECT_EQ(spec.output.shown, FilmLayer::kAlbedo);
 }
 
 TEST(RenderOptions, FormatsHaveTheirOwn) {

@@ -65,7 +65,8 @@ TEST(ExrLayers, StandAsChannelsOfOnePart) {
 
 TEST(ExrLayers, WithoutAnyItIsThePictureAlone) {
   const Image image = floats(4, SampleType::kFloat32, 0);
-  EXPECT_EQ(encode_exr_layers(image, {}, {}, ExrCompression::kPiz), encode_exr(image, {}, ExrCompression::kPiz));
+  EXPECT_EQ(encode_exr_layers(image, {}, {}, ExrCompression::kPiz),
+            encode_exr(image, {}, ExrCompression::kPiz));
 }
 
 }  // namespace

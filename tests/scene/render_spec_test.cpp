@@ -300,6 +300,10 @@ const std::vector<Mutation> kMutations = {
     {"lossless", [](RenderSpec& s) { s.output.lossless = true; }},
     {"tone map", [](RenderSpec& s) { s.output.tone_map = ToneMap::kNone; }},
     {"samples", [](RenderSpec& s) { s.output.samples = 16; }},
+    {"layers", [](RenderSpec& s) { s.output.layers = {FilmLayer::kDepth}; }},
+    {"other layers", [](RenderSpec& s) { s.output.layers = {FilmLayer::kNormal}; }},
+    {"shown", [](RenderSpec& s) { s.output.shown = FilmLayer::kDepth; }},
+    {"node name", [](RenderSpec& s) { s.scene.nodes[0].name = "a"; }},
     {"strict", [](RenderSpec& s) { s.strict = true; }},
 };
 
@@ -327,6 +331,17 @@ TEST(FormatFault, NamesWhatAFormatCannotHold) {
   EXPECT_EQ(format_fault(spec), "");
   spec.output.format = OutputFormat::kJpeg;
   EXPECT_NE(format_fault(spec).find("transparent"), std::string::npos);
+}
+
+TEST(RenderSpec, OnlyAnExrThatLosesNothingKeepsLayers) {
+  OutputSpec output;
+  EXPECT_EQ(layers_fault(output), "");
+  output.layers = {FilmLayer::kDepth};
+  EXPECT_NE(layers_fault(output).find("EXR"), std::string::npos);
+  output.format = OutputFormat::kExr;
+  EXPECT_EQ(layers_fault(output), "");
+  output.exr_compression = ExrCompression::kDwaa;
+  EXPECT_NE(layers_fault(output).find("dwaa"), std::string::npos);
 }
 
 TEST(SpecHash, EqualSpecsAreEqual) {
