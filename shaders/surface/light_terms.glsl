@@ -33,9 +33,10 @@ vec3 microfacet_term(Surface s) {
   float lit = max(NoL, MIN_COSINE);
 #if FEATURE_ANISOTROPY
   vec3 b = cross(s.normal, s.tangent);
-  float D = D_GGX_anisotropic(NoH, dot(s.tangent, h), dot(b, h), s.alpha_t, alpha);
+  float alpha_t = max(s.alpha_t, 1e-4);
+  float D = D_GGX_anisotropic(NoH, dot(s.tangent, h), dot(b, h), alpha_t, alpha);
   float V = V_SmithGGXAnisotropic(s.NoV, lit, dot(s.tangent, s.to_viewer), dot(b, s.to_viewer), dot(s.tangent, l), dot(b, l),
-                                  s.alpha_t, alpha);
+                                  alpha_t, alpha);
 #else
   float D = D_GGX(NoH, alpha);
 #if FEATURE_SCHLICK_BECKMANN
