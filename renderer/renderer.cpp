@@ -80,6 +80,23 @@ Image drop_alpha(const Image& rgba) {
   return rgb;
 }
 
+// Film layers that are made of the visibility frame do not know all that is drawn.
+bool misses_veil(const OutputSpec& output, const PreparedScene& scene) {
+  const auto sees_through = [](FilmLayer layer) {
+    const FilmLayerKind kind = row_of(layer).kind;
+    return kind == FilmLayerKind::kPlace || kind == FilmLayerKind::kMatte;
+  };
+  const auto is_veil = [&](const Instance& instance) {
+    const Material& material = scene.materials[std::size_t(instance.material)];
+    const Mesh& mesh = *scene.meshes[std::size_t(instance.mesh)].mesh;
+    return mesh.topology != Topology::kTriangles ||
+           (material.alpha_mode == AlphaMode::kBlend && !(material.transmission > 0));
+  };
+  const bool wanted = (output.shown && sees_through(*output.shown)) ||
+                      std::any_of(output.layers.begin(), output.layers.end(), sees_through);
+  return wanted && std::any_of(scene.instances.begin(), scene.instances.end(), is_veil);
+}
+
 RenderSpec probe_spec() {
   RenderSpec spec;
   NodeSpec sphere;
@@ -147,6 +164,10 @@ Film Renderer::render(const RenderSpec& spec, const Deadline& deadline) {
     if (spec.camera.depth_of_field && spec.output.samples == 1)
       film.notes.push_back({"depth-of-field-needs-samples", "/camera/depthOfField",
                             "a single sample sees through a pinhole; ask for quality high or for samples"});
+    if (misses_veil(spec.output, preparation.scene))
+      film.notes.push_back(
+          {"layers-see-through", "/output",
+           "what is blended, lines and points are not in depth, position, uv, ids and mattes"});
     film.times.queue_ms += outcome.queue_ms;
     film.times.upload_ms += outcome.upload_ms;
     if (outcome.kind == GlOutcome::Kind::kDone) break;

@@ -156,6 +156,29 @@ TEST_F(FilmLayersGlTest, MaterialsTellTheirNumbers) {
   }
 }
 
+// Mattes and places know nothing of blended surfaces, and say so.
+TEST_F(FilmLayersGlTest, WhatIsBlendedIsSeenThrough) {
+  MaterialOverride veil;
+  veil.alpha_mode = AlphaMode::kBlend;
+  veil.base_color = glm::vec4(1, 1, 1, 0.5f);
+  RenderSpec spec = plane_from_above(veil);
+  NodeSpec low = spec.scene.nodes[0];
+  low.translation = {0, -2, 0};
+  low.scale = glm::vec3(8);
+  low.material = "gold";
+  low.name = "floor";
+  spec.scene.nodes.push_back(low);
+  spec.output.layers = {FilmLayer::kAlbedo};
+  EXPECT_TRUE(render(spec).notes.empty());
+  spec.output.layers = {FilmLayer::kDepth, FilmLayer::kCryptoObject};
+  const Film film = render(spec);
+  EXPECT_NEAR(number(film, "depth", 30, 30), 6, 1e-5);
+  EXPECT_EQ(number(film, "cryptoObject00", 30, 30, 0), matte_id("floor"));
+  EXPECT_EQ(number(film, "cryptoObject00", 30, 30, 1), 1);
+  ASSERT_EQ(film.notes.size(), 1u);
+  EXPECT_EQ(film.notes[0].code, "layers-see-through");
+}
+
 // D, F and G of a plane seen at right angles whose light comes from 60 degrees, and of one without lights, seen in its mirror.
 TEST_F(FilmLayersGlTest, TermsOfTheFormula) {
   MaterialOverride material;
