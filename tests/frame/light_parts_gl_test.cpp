@@ -55,7 +55,7 @@ class LightPartsGlTest : public ClosedFormGlTest {
     light.kind = LightKind::kSpot;
     light.position = {1, 3, 2};
     light.direction = glm::normalize(glm::dvec3(-1, -3, -2));
-    light.intensity = glm::dvec3(9, 8, 7);
+    light.intensity = glm::dvec3(90, 80, 70);
     light.radius_m = 0.1;
     spec.scene.lights = {light};
     spec.output.width = 64;
