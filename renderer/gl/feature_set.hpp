@@ -39,6 +39,8 @@ enum Feature : FeatureSet {
   kFeatureGrade = 1ull << 28,
   kFeatureBloom = 1ull << 29,
   kFeatureEmission = 1ull << 30,
+  kFeatureSurfaceLights = 1ull << 31,
+  kFeatureLightProfiles = 1ull << 32,
 };
 
 }  // namespace furnace::gl
