@@ -4,7 +4,7 @@ namespace furnace {
 namespace {
 
 constexpr GLuint kDrawBinding = 1, kMaterialBinding = 2, kLayerBinding = 5;
-constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kDfgUnit = 7, kGroundUnit = 13, kShadowUnit = 14,
+constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kTablesUnit = 7, kGroundUnit = 13, kShadowUnit = 14,
                  kShadowDepthUnit = 15, kLayerUnit = 16, kBackdropUnit = 30, kBehindUnit = 31;
 constexpr GLuint kColorLocation = 5;
 
@@ -39,8 +39,8 @@ void bind_environment(const PassContext& pass) {
   gl::SamplerCache& samplers = pass.residency.samplers();
   glBindTextureUnit(kAtlasUnit, pass.scene.environment->atlas.id());
   glBindSampler(kAtlasUnit, samplers.get(pass.context, kTableSampler));
-  glBindTextureUnit(kDfgUnit, pass.residency.dfg_texture());
-  glBindSampler(kDfgUnit, samplers.get(pass.context, kTableSampler));
+  glBindTextureUnit(kTablesUnit, pass.scene.lobe_tables->texture.id());
+  glBindSampler(kTablesUnit, samplers.get(pass.context, kTableSampler));
 }
 
 void bind_texels(gl::Context& context, Residency& residency, GLuint unit, const gl::Texture& texture) {

@@ -39,10 +39,12 @@ enum Feature : FeatureSet {
   kFeatureGrade = 1ull << 28,
   kFeatureBloom = 1ull << 29,
   kFeatureEmission = 1ull << 30,
-  kFeatureSurfaceValue = 1ull << 31,
-  kFeatureLightPart = 1ull << 32,
-  kFeatureLightTerm = 1ull << 33,
-  kFeatureNearest = 1ull << 34,
+  kFeatureSurfaceLights = 1ull << 31,
+  kFeatureLightProfiles = 1ull << 32,
+  kFeatureSurfaceValue = 1ull << 33,
+  kFeatureLightPart = 1ull << 34,
+  kFeatureLightTerm = 1ull << 35,
+  kFeatureNearest = 1ull << 36,
 };
 
 }  // namespace furnace::gl

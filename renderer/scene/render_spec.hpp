@@ -262,7 +262,7 @@ std::string format_fault(const RenderSpec& spec);
 std::string layers_fault(const OutputSpec& output);
 
 // Raised when the same canonical bytes would mean another picture.
-inline constexpr int kRenderSpecVersion = 4;
+inline constexpr int kRenderSpecVersion = 5;
 
 // Hash of the canonical form: equal for two specs that describe the same picture, whatever JSON they came
 // from.

@@ -33,6 +33,8 @@
 // FEATURE_GRADE              white balance, contrast and saturation, and the tone curves of many operations
 // FEATURE_BLOOM              a glow spreads from what is bright
 // FEATURE_EMISSION           surfaces show nothing but what they emit; only that glows
+// FEATURE_SURFACE_LIGHTS     some lights are surfaces: rectangles, discs, balls
+// FEATURE_LIGHT_PROFILES     some lights have photometric profiles
 // FEATURE_SURFACE_VALUE      surfaces show one of their own numbers, whatever lights them: a film layer
 // FEATURE_LIGHT_PART         surfaces show some parts of their light alone
 // FEATURE_LIGHT_TERM         surfaces show one term of their light's formula

@@ -40,6 +40,7 @@ struct Surface {
   float alpha;       // GGX, widened for the pixel
   float occlusion;
   vec3 normal;       // unit, world, towards the viewer's side
+  vec3 vertex_normal;  // the same without a map
   vec3 to_viewer;    // unit, world
   vec3 position;     // m, world; with NEEDS_POSITION only
   float NoV;
@@ -157,6 +158,7 @@ Surface read_surface(Attributes a) {
   float flip = constants.emissive_flip.w > 0.5 && !a.front ? -1.0 : 1.0;
   vec3 vertex_normal = flip * normalize(a.normal_world);
   float change2;
+  s.vertex_normal = vertex_normal;
   s.normal = shading_normal(a, vertex_normal, flip, change2);
   s.to_viewer = normalize(a.to_viewer_world);
   s.position = a.position_world;

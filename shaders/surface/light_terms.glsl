@@ -9,7 +9,7 @@
 vec3 first_light_direction(Surface s) {
 #if FEATURE_LIGHTS
   vec4 place = lights.lights[0].place;
-  vec3 to_light = place.xyz - (place.w > 0.5 ? s.position : vec3(0.0));
+  vec3 to_light = place.xyz - (place.w > LIGHT_FAR ? s.position : vec3(0.0));
   return to_light * inversesqrt(max(dot(to_light, to_light), 1e-20));
 #else
   return reflect(-s.to_viewer, s.normal);

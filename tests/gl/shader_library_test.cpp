@@ -97,6 +97,8 @@ TEST(ShaderLibrary, FeatureBitsAreTheListOfTheInterface) {
       {kFeatureGrade, "FEATURE_GRADE"},
       {kFeatureBloom, "FEATURE_BLOOM"},
       {kFeatureEmission, "FEATURE_EMISSION"},
+      {kFeatureSurfaceLights, "FEATURE_SURFACE_LIGHTS"},
+      {kFeatureLightProfiles, "FEATURE_LIGHT_PROFILES"},
       {kFeatureSurfaceValue, "FEATURE_SURFACE_VALUE"},
       {kFeatureLightPart, "FEATURE_LIGHT_PART"},
       {kFeatureLightTerm, "FEATURE_LIGHT_TERM"},
