@@ -113,7 +113,7 @@ void FrameRenderer::draw_layers(const FrameJob& job, const PassContext& pass, st
   }
 }
 
-// What is where: of one sample in the middle of each pixel and of the lens.
+// What is where, as the middle of the lens sees it: of each pixel the surface nearest to it.
 void FrameRenderer::draw_places(const FrameJob& job, const Tile& tile) {
   View pinhole = job.view;
   pinhole.lens = {};

@@ -16,7 +16,7 @@ struct LayerPlan {
   std::optional<FilmLayer> shown;  // stands in place of the picture
   std::vector<FilmLayer> sources;  // what is drawn for all of these, each once; mattes need no drawing
 
-  // In the order of their rows, each with its place among `sources`.
+  // Of one of `sources` its place among them.
   std::optional<std::size_t> place_of(FilmLayer source) const;
   bool any(FilmLayerKind kind) const;  // among `sources`
   bool any_matte() const;

@@ -38,7 +38,10 @@ TEST(FramePlan, EachSourceOfLayersIsDrawnOnce) {
   EXPECT_TRUE(layers.any_matte());
   EXPECT_FALSE(layers.needs_picture());
   EXPECT_FALSE(layers.shows_radiance());
+  spec.output.bloom.emplace();
+  EXPECT_FALSE(plan_frame(spec, 1024).bloom) << "what does not glow needs no glow";
   spec.output.shown = FilmLayer::kGlow;
+  EXPECT_TRUE(plan_frame(spec, 1024).bloom);
   EXPECT_TRUE(plan_frame(spec, 1024).layers.needs_picture());
 }
 
