@@ -5,7 +5,7 @@ namespace {
 
 constexpr GLuint kDrawBinding = 1, kMaterialBinding = 2;
 constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kDfgUnit = 7, kGroundUnit = 13, kShadowUnit = 14,
-                 kShadowDepthUnit = 15;
+                 kShadowDepthUnit = 15, kSkyShadowUnit = 16;
 constexpr GLuint kColorLocation = 5;
 
 constexpr SamplerDesc kSkySampler{Wrap::kRepeat, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
@@ -55,6 +55,10 @@ void bind_shadows(const PassContext& pass) {
   bind_texels(pass.context, pass.residency, kShadowDepthUnit, pass.targets.shadows->maps);
 }
 
+void bind_sky_shadows(const PassContext& pass) {
+  bind_texels(pass.context, pass.residency, kSkyShadowUnit, pass.targets.sky_shadows->maps);
+}
+
 void bind_ground(const PassContext& pass) {
   glBindTextureUnit(kGroundUnit, pass.scene.ground_shadow->texture.id());
   glBindSampler(kGroundUnit, pass.residency.samplers().get(pass.context, kGroundSampler));
@@ -92,6 +96,16 @@ void draw_mesh(const Draw& draw, GLenum face, GLsizei instances) {
   glVertexAttrib4f(kColorLocation, 1, 1, 1, 1);
   glBindVertexArray(draw.mesh->vertex_array.id());
   glDrawElementsInstanced(draw.mesh->mode, draw.mesh->index_count, GL_UNSIGNED_INT, nullptr, instances);
+}
+
+void draw_occluder(const Draw& draw, const GpuOccluder& occluder, GLsizei instances) {
+  if (occluder.count == 0) return;
+  glDisable(GL_CULL_FACE);
+  const GLuint vertex_array = draw.mesh->vertex_array.id();
+  glVertexArrayElementBuffer(vertex_array, occluder.indices.id());
+  glBindVertexArray(vertex_array);
+  glDrawElementsInstanced(GL_TRIANGLES, occluder.count, GL_UNSIGNED_INT, nullptr, instances);
+  glVertexArrayElementBuffer(vertex_array, draw.mesh->indices.id());
 }
 
 }  // namespace furnace

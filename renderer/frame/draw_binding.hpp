@@ -19,6 +19,8 @@ void bind_environment(const PassContext& pass);
 void bind_texels(gl::Context& context, Residency& residency, GLuint unit, const gl::Texture& texture);
 // The shadow maps, as they are compared and as they are.
 void bind_shadows(const PassContext& pass);
+// Those of the environment.
+void bind_sky_shadows(const PassContext& pass);
 // The ground's shadow.
 void bind_ground(const PassContext& pass);
 // The blocks and textures of a draw.
@@ -29,5 +31,7 @@ void bind_program(const PassContext& pass, const char* vertex, const char* fragm
 void draw_viewport(const gl::VertexArray& empty_vertex_array);
 // The draw's mesh; culls `face`, or nothing for GL_NONE.
 void draw_mesh(const Draw& draw, GLenum face, GLsizei instances = 1);
+// Other triangles over the mesh's vertices, from both sides.
+void draw_occluder(const Draw& draw, const GpuOccluder& occluder, GLsizei instances = 1);
 
 }  // namespace furnace

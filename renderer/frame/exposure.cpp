@@ -24,6 +24,7 @@ FramePlan plan_meter(RenderSpec spec, int max_tile_px) {
   output.format = OutputFormat::kExr;
   output.exr_type = SampleType::kFloat32;
   output.grade = {};
+  spec.environment.visibility = EnvironmentVisibility::kOff;
   spec.camera.metering = UnmeteredExposure{};
   spec.camera.exposure_ev = 0;
   if (!std::holds_alternative<EnvironmentBackground>(spec.environment.background))

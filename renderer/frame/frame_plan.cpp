@@ -1,6 +1,7 @@
 #include "renderer/frame/frame_plan.hpp"
 
 #include "renderer/frame/exposure.hpp"
+#include "renderer/frame/sky_plan.hpp"
 #include "renderer/frame/white_balance.hpp"
 
 #include <algorithm>
@@ -79,6 +80,7 @@ FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev) {
     plan.shadow_strength = environment.ground->shadow_strength;
     plan.projection = environment.ground->projection;
   }
+  plan.sky_views = sky_views_wanted(spec);
   plan.tone_map = spec.output.tone_map;
   plan.film_type = film_type(spec.output);
   return plan;

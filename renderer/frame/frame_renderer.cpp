@@ -4,13 +4,15 @@
 
 #include "renderer/frame/frame_uniform.hpp"
 #include "renderer/frame/ground_shadow.hpp"
+#include "renderer/frame/light_plan.hpp"
 #include "renderer/frame/passes.hpp"
+#include "renderer/frame/sky_plan.hpp"
 #include "renderer/gl/readback.hpp"
 
 namespace furnace {
 namespace {
 
-constexpr GLuint kFrameBinding = 0, kLightBinding = 4;
+constexpr GLuint kFrameBinding = 0, kLightBinding = 4, kSkyBinding = 5;
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -29,6 +31,7 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
   const std::size_t subframes = plan.jitter_px.size();
   provide_targets(context_, plan, {!scene.blended.empty() || !scene.strokes.empty(), subframes > 1},
                   targets_);
+  const bool sky_visibility = plan.sky_views > 0 && !prepared.sky_lights.empty() && !prepared.bounds.empty();
   FrameResult result;
   result.pixels = make_image(plan.picture, 4, plan.film_type,
                              plan.scene_linear() ? ColorSpace::kLinear : ColorSpace::kSrgb);
@@ -39,17 +42,30 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
       const gpu::FrameBlock frame = pack_frame(plan, view, prepared, ground_map, tile, subframe);
       const gl::Buffer uniform = gl::create_buffer(context_, &frame, sizeof frame);
       glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniform.id());
-      const PassContext pass{context_, programs_, residency,           plan, *targets_,
-                             scene,    tile,      empty_vertex_array_, frame};
+      const PassContext pass{context_, programs_, residency,           plan,  *targets_,
+                             scene,    tile,      empty_vertex_array_, frame, sky_visibility};
       gl::Buffer light_uniform;
       if (!prepared.lights.empty()) {
         const LightPlan lights =
             plan_lights(prepared.lights, prepared.bounds, {tile.x, tile.y}, int(subframe), int(subframes));
-        provide_shadows(context_, lights.side_px, std::max(lights.views, 1), *targets_);
+        provide_shadows(context_, GL_DEPTH_COMPONENT32F, lights.side_px, std::max(lights.views, 1),
+                        targets_->shadows);
         light_uniform = gl::create_buffer(context_, &lights.block, sizeof lights.block);
         glBindBufferBase(GL_UNIFORM_BUFFER, kLightBinding, light_uniform.id());
         // A lone sub-frame's maps are the same for every tile.
-        if (subframes > 1 || &tile == &plan.tiles.front()) pass_shadow(pass, lights);
+        if (subframes > 1 || &tile == &plan.tiles.front())
+          pass_shadow(pass, *targets_->shadows,
+                      std::span(lights.block.shadow_from_world).first(std::size_t(lights.views)),
+                      Casters::kExact);
+      }
+      gl::Buffer sky_uniform;
+      if (pass.sky_visibility) {
+        const SkyPlan sky = plan_sky(prepared.sky_lights, prepared.bounds, int(subframe), int(subframes));
+        provide_shadows(context_, GL_DEPTH_COMPONENT16, kSkyMapPx, int(sky.clip_from_world.size()),
+                        targets_->sky_shadows);
+        sky_uniform = gl::create_buffer(context_, &sky.block, sizeof sky.block);
+        glBindBufferBase(GL_UNIFORM_BUFFER, kSkyBinding, sky_uniform.id());
+        pass_shadow(pass, *targets_->sky_shadows, sky.clip_from_world, Casters::kSimplified);
       }
       pass_visibility(pass);
       pass_veil(pass);

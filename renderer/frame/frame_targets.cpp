@@ -67,13 +67,14 @@ void provide_targets(gl::Context& context, const FramePlan& plan, TargetNeeds ne
     targets->accumulated = create_color_target(context, kRadiance, plan.tile_size);
 }
 
-void provide_shadows(gl::Context& context, int side_px, int views, FrameTargets& targets) {
-  if (targets.shadows && targets.shadows->side_px == side_px && targets.shadows->views >= views) return;
-  targets.shadows.reset();
+void provide_shadows(gl::Context& context, GLenum format, int side_px, int views,
+                     std::optional<ShadowTarget>& target) {
+  if (target && target->side_px == side_px && target->views >= views) return;
+  target.reset();
   ShadowTarget shadows;
   shadows.side_px = side_px;
   shadows.views = views;
-  shadows.maps = gl::create_texture_array(context, GL_DEPTH_COMPONENT32F, {side_px, side_px}, views);
+  shadows.maps = gl::create_texture_array(context, format, {side_px, side_px}, views);
   const GLuint maps = shadows.maps.id();
   glTextureParameteri(maps, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   glTextureParameteri(maps, GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);  // depth is reversed: nearer is larger
@@ -85,7 +86,7 @@ void provide_shadows(gl::Context& context, int side_px, int views, FrameTargets&
   glCreateFramebuffers(1, &framebuffer);
   shadows.framebuffer = gl::Framebuffer(framebuffer);
   glNamedFramebufferDrawBuffer(framebuffer, GL_NONE);
-  targets.shadows = std::move(shadows);
+  target = std::move(shadows);
 }
 
 }  // namespace furnace

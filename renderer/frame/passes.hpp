@@ -1,9 +1,10 @@
 // The passes of a frame, in the order they run. Each sets all state it relies on.
 #pragma once
 
+#include <span>
+
 #include "renderer/frame/frame_plan.hpp"
 #include "renderer/frame/frame_targets.hpp"
-#include "renderer/frame/light_plan.hpp"
 #include "renderer/gl/program.hpp"
 #include "renderer/residency/draw_list.hpp"
 
@@ -20,12 +21,16 @@ struct PassContext {
   Tile tile;
   const gl::VertexArray& empty_vertex_array;
   const gpu::FrameBlock& frame;
+  bool sky_visibility;  // surfaces see as much of the environment as the scene leaves them
 
   bool veiled() const { return !scene.blended.empty() || !scene.strokes.empty(); }
 };
 
-// What each view of `lights` sees of the scene, into its shadow map.
-void pass_shadow(const PassContext& pass, const LightPlan& lights);
+enum class Casters { kExact, kSimplified };
+
+// What each view sees of the scene, into its map.
+void pass_shadow(const PassContext& pass, const ShadowTarget& target,
+                 std::span<const glm::mat4> clip_from_world, Casters casters);
 // Opaque and masked triangles: which one each sample sees.
 void pass_visibility(const PassContext& pass);
 // Lines and points, then blended surfaces, farthest first, where no opaque triangle hides them.

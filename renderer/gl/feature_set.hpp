@@ -25,6 +25,7 @@ enum Feature : FeatureSet {
   kFeatureGroundProjection = 1u << 14,
   kFeatureGroundShadow = 1u << 15,
   kFeatureGrade = 1u << 16,
+  kFeatureSkyVisibility = 1u << 17,
 };
 
 }  // namespace furnace::gl

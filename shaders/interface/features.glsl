@@ -19,3 +19,4 @@
 // FEATURE_GROUND_PROJECTION  its lower half lies flat, as a floor
 // FEATURE_GROUND_SHADOW      a ground under the scene shows its shadow
 // FEATURE_GRADE              white balance, contrast and saturation, and the tone curves of many operations
+// FEATURE_SKY_VISIBILITY     the scene keeps the environment's light from itself

@@ -95,7 +95,7 @@ Attributes seen_attributes(uint triangle, vec2 ndc_at) {
 
   Attributes a;
   a.to_viewer_world = to_viewer_world;
-#if FEATURE_LIGHTS
+#if FEATURE_LIGHTS || FEATURE_SKY_VISIBILITY
   a.position_world = deferred.world_from_model * interpolate(rows, 0, at).xyz + deferred.origin.xyz;
 #else
   a.position_world = vec3(0.0);

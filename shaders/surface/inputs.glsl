@@ -6,7 +6,7 @@
 // A point of a surface as its vertices describe it; forward.frag and deferred.frag have it from different places.
 struct Attributes {
   vec3 to_viewer_world;     // not normalised
-  vec3 position_world;      // with FEATURE_LIGHTS only
+  vec3 position_world;      // with FEATURE_LIGHTS or FEATURE_SKY_VISIBILITY only
   vec3 normal_world;        // not normalised
   vec4 tangent_world;
   vec4 uv01;                // both UV sets
@@ -30,7 +30,8 @@ struct Surface {
   float occlusion;
   vec3 normal;       // unit, world, towards the viewer's side
   vec3 to_viewer;    // unit, world
-  vec3 position;     // m, world; with FEATURE_LIGHTS only
+  vec3 smooth_normal;  // the same without a normal map
+  vec3 position;     // m, world; with FEATURE_LIGHTS or FEATURE_SKY_VISIBILITY only
   float NoV;
 };
 
@@ -99,6 +100,7 @@ Surface read_surface(Attributes a) {
 #endif
   float change2;
   s.normal = shading_normal(a, change2);
+  s.smooth_normal = normalize(a.normal_world) * (constants.emissive_flip.w > 0.5 && !a.front ? -1.0 : 1.0);
   s.to_viewer = normalize(a.to_viewer_world);
   s.position = a.position_world;
   s.NoV = clamp(dot(s.normal, s.to_viewer), MIN_COSINE, 1.0);
