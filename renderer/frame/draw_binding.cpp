@@ -5,7 +5,7 @@ namespace {
 
 constexpr GLuint kDrawBinding = 1, kMaterialBinding = 2;
 constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kDfgUnit = 7, kGroundUnit = 13, kShadowUnit = 14,
-                 kShadowDepthUnit = 15, kSkyShadowUnit = 16;
+                 kShadowDepthUnit = 15, kSkyShadowUnit = 16, kSkySumsUnit = 17;
 constexpr GLuint kColorLocation = 5;
 
 constexpr SamplerDesc kSkySampler{Wrap::kRepeat, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
@@ -57,6 +57,8 @@ void bind_shadows(const PassContext& pass) {
 
 void bind_sky_shadows(const PassContext& pass) {
   bind_texels(pass.context, pass.residency, kSkyShadowUnit, pass.targets.sky_shadows->maps);
+  glBindTextureUnit(kSkySumsUnit, pass.sky_sums->id());
+  glBindSampler(kSkySumsUnit, pass.residency.samplers().get(pass.context, kTableSampler));
 }
 
 void bind_ground(const PassContext& pass) {

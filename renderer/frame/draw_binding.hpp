@@ -19,7 +19,7 @@ void bind_environment(const PassContext& pass);
 void bind_texels(gl::Context& context, Residency& residency, GLuint unit, const gl::Texture& texture);
 // The shadow maps, as they are compared and as they are.
 void bind_shadows(const PassContext& pass);
-// Those of the environment.
+// Those of the environment, and the sums of its light.
 void bind_sky_shadows(const PassContext& pass);
 // The ground's shadow.
 void bind_ground(const PassContext& pass);

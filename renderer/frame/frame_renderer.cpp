@@ -31,7 +31,9 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
   const std::size_t subframes = plan.jitter_px.size();
   provide_targets(context_, plan, {!scene.blended.empty() || !scene.strokes.empty(), subframes > 1},
                   targets_);
-  const bool sky_visibility = plan.sky_views > 0 && !prepared.sky_lights.empty() && !prepared.bounds.empty();
+  std::optional<gl::Texture> sky_sums;
+  if (plan.sky_views > 0 && !prepared.sky_lights.empty() && !prepared.bounds.empty())
+    sky_sums = gl::upload_texture(context_, prepared.sky_sums.maps, false);
   FrameResult result;
   result.pixels = make_image(plan.picture, 4, plan.film_type,
                              plan.scene_linear() ? ColorSpace::kLinear : ColorSpace::kSrgb);
@@ -42,8 +44,9 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
       const gpu::FrameBlock frame = pack_frame(plan, view, prepared, ground_map, tile, subframe);
       const gl::Buffer uniform = gl::create_buffer(context_, &frame, sizeof frame);
       glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniform.id());
-      const PassContext pass{context_, programs_, residency,           plan,  *targets_,
-                             scene,    tile,      empty_vertex_array_, frame, sky_visibility};
+      const PassContext pass{
+          context_, programs_, residency,           plan,  *targets_,
+          scene,    tile,      empty_vertex_array_, frame, sky_sums ? &*sky_sums : nullptr};
       gl::Buffer light_uniform;
       if (!prepared.lights.empty()) {
         const LightPlan lights =
@@ -59,8 +62,9 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
                       Casters::kExact);
       }
       gl::Buffer sky_uniform;
-      if (pass.sky_visibility) {
-        const SkyPlan sky = plan_sky(prepared.sky_lights, prepared.bounds, int(subframe), int(subframes));
+      if (sky_sums) {
+        const SkyPlan sky = plan_sky(prepared.sky_lights, prepared.bounds, prepared.sky_sums.least_alpha,
+                                     int(subframe), int(subframes));
         provide_shadows(context_, GL_DEPTH_COMPONENT16, kSkyMapPx, int(sky.clip_from_world.size()),
                         targets_->sky_shadows);
         sky_uniform = gl::create_buffer(context_, &sky.block, sizeof sky.block);

@@ -94,7 +94,7 @@ void shade_layer(const PassContext& pass, const std::vector<Rect>& rects, GLuint
   }
   gl::begin_pass(pass.context, state);
   bind_environment(pass);
-  if (pass.sky_visibility) bind_sky_shadows(pass);
+  if (pass.sky_sums != nullptr) bind_sky_shadows(pass);
   bind_texels(pass.context, pass.residency, kVisibilityUnit, pass.targets.visibility.texels);
   bind_texels(pass.context, pass.residency, kSharesUnit, pass.targets.shading.shares);
   const gl::FeatureSet veil = pass.veiled() ? gl::FeatureSet(gl::kFeatureVeil) : 0;
@@ -104,7 +104,7 @@ void shade_layer(const PassContext& pass, const std::vector<Rect>& rects, GLuint
     const Draw& draw = pass.scene.deferred[i];
     limit_to(rects[i]);
     const gl::FeatureSet features = (draw.features & ~gl::FeatureSet(gl::kFeatureAlphaMask)) | veil |
-                                    (pass.sky_visibility && !(draw.features & gl::kFeatureUnlit)
+                                    (pass.sky_sums != nullptr && !(draw.features & gl::kFeatureUnlit)
                                          ? gl::FeatureSet(gl::kFeatureSkyVisibility)
                                          : 0);
     const GLuint program =

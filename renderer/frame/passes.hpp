@@ -21,7 +21,8 @@ struct PassContext {
   Tile tile;
   const gl::VertexArray& empty_vertex_array;
   const gpu::FrameBlock& frame;
-  bool sky_visibility;  // surfaces see as much of the environment as the scene leaves them
+  // Maps of light_sums.hpp; null where surfaces see all of the environment, whatever the scene hides.
+  const gl::Texture* sky_sums;
 
   bool veiled() const { return !scene.blended.empty() || !scene.strokes.empty(); }
 };

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "renderer/base/check.hpp"
+#include "renderer/image/color.hpp"
 #include "renderer/scene/transform.hpp"
 
 namespace furnace {
@@ -56,8 +57,8 @@ int sky_views_wanted(const RenderSpec& spec) {
   return std::clamp(128 / subframes, 8, int(gpu::MOST_SKY_VIEWS));
 }
 
-SkyPlan plan_sky(const std::vector<LightDirection>& lights, const Bounds& scene, int subframe,
-                 int subframes) {
+SkyPlan plan_sky(const std::vector<LightDirection>& lights, const Bounds& scene, double least_alpha,
+                 int subframe, int subframes) {
   const std::size_t step = std::size_t(subframes), count = lights.size() / step;
   FURNACE_CHECK(count > 0 && count <= gpu::MOST_SKY_VIEWS && count * step == lights.size(),
                 "{} directions for {} sub-frames", lights.size(), subframes);
@@ -65,8 +66,7 @@ SkyPlan plan_sky(const std::vector<LightDirection>& lights, const Bounds& scene,
   plan.block = {};
   plan.block.count = gpu::uint(count);
   plan.block.map_px = kSkyMapPx;
-  // A lobe's solid angle is some 4 pi alpha^2: it shall hold about 4 directions of an even sky.
-  plan.block.least_alpha = float(std::clamp(2 / std::sqrt(double(lights.size())), 0.05, 0.5));
+  plan.block.least_alpha = float(least_alpha);
   const double least = std::max(double(glm::length(scene.max - scene.min)) * 1e-3, 1e-9);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t k = std::size_t(subframe) + i * step;
@@ -88,8 +88,9 @@ SkyPlan plan_sky(const std::vector<LightDirection>& lights, const Bounds& scene,
     }
     gpu::SkyView& view = plan.block.views[i];
     view.towards = glm::vec4(towards, kLiftTexels * texel_m);
-    view.light = glm::vec4(
-        glm::dvec3(light.irradiance[0], light.irradiance[1], light.irradiance[2]) * double(step), 0);
+    const glm::dvec3 irradiance =
+        glm::dvec3(light.irradiance[0], light.irradiance[1], light.irradiance[2]) * double(step);
+    view.light = glm::vec4(irradiance, luminance_rec709(irradiance.r, irradiance.g, irradiance.b));
     view.map_u = glm::vec4(rows[0]);
     view.map_v = glm::vec4(rows[1]);
     view.map_depth = glm::vec4(rows[2]);

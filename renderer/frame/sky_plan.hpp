@@ -20,8 +20,9 @@ struct SkyPlan {
   std::vector<glm::mat4> clip_from_world;  // of each view; depth is reversed
 };
 
-// `lights`: in world space, at most gpu::MOST_SKY_VIEWS for each of `subframes`; `scene`: bounds of what casts shadows, not
-// empty. Pure. Threads: any.
-SkyPlan plan_sky(const std::vector<LightDirection>& lights, const Bounds& scene, int subframe, int subframes);
+// `lights`: in world space, at most gpu::MOST_SKY_VIEWS for each of `subframes`; `least_alpha`: of their sums; `scene`: bounds
+// of what casts shadows, not empty. Pure. Threads: any.
+SkyPlan plan_sky(const std::vector<LightDirection>& lights, const Bounds& scene, double least_alpha,
+                 int subframe, int subframes);
 
 }  // namespace furnace

@@ -18,7 +18,7 @@ using std::numbers::pi;
 constexpr int kMostColumns = 512;
 // Of the map's mean, added to the light that cells share: the dark half of a room has cells of its own, whose few would else
 // stand for a glossy surface's whole reflection.
-constexpr double kEvenLight = 0.25;
+constexpr double kEvenLight = 0.5;
 
 using Rgb = std::array<double, 3>;
 
@@ -27,9 +27,9 @@ struct Region {
 };
 
 // Sums over regions of the map, of each colour and of what the cells share.
-class LightSums {
+class MapSums {
  public:
-  explicit LightSums(const Image& equirect);
+  explicit MapSums(const Image& equirect);
 
   double importance(const Region& r) const { return over(r, 3); }
   Rgb flux(const Region& r) const { return {over(r, 0), over(r, 1), over(r, 2)}; }
@@ -58,7 +58,7 @@ class LightSums {
   std::vector<Sums> sums_;
 };
 
-LightSums::LightSums(const Image& equirect) {
+MapSums::MapSums(const Image& equirect) {
   const int step = (equirect.extent.width + kMostColumns - 1) / kMostColumns;
   extent_ = {(equirect.extent.width + step - 1) / step, (equirect.extent.height + step - 1) / step};
   const auto stride = std::size_t(extent_.width) + 1;
@@ -96,7 +96,7 @@ LightSums::LightSums(const Image& equirect) {
 }
 
 // Where the part of the region before a line across one of its sides has `share` of its light.
-double place_of(const LightSums& sums, const Region& region, double Region::*from, double Region::*to,
+double place_of(const MapSums& sums, const Region& region, double Region::*from, double Region::*to,
                 double share) {
   const double wanted = share * sums.importance(region);
   double low = region.*from, high = region.*to;
@@ -115,7 +115,7 @@ bool is_wide(const Region& region, Extent extent) {
          (region.bottom - region.top) / extent.height;
 }
 
-void cut(const LightSums& sums, const Region& region, int count, std::vector<Region>& cells) {
+void cut(const MapSums& sums, const Region& region, int count, std::vector<Region>& cells) {
   if (count == 1) return cells.push_back(region);
   const bool wide = is_wide(region, sums.extent());
   const auto from = wide ? &Region::left : &Region::top, to = wide ? &Region::right : &Region::bottom;
@@ -134,7 +134,7 @@ double quasi_random(std::size_t i, double step) {
 }  // namespace
 
 std::vector<LightDirection> light_cells(const Image& equirect, int count) {
-  const LightSums sums(equirect);
+  const MapSums sums(equirect);
   const Extent extent = sums.extent();
   const Region all{0, double(extent.width), 0, double(extent.height)};
   if (!(sums.importance(all) > 0)) return {};

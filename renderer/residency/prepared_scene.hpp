@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "renderer/base/content_hash.hpp"
-#include "renderer/ibl/light_directions.hpp"
+#include "renderer/ibl/light_sums.hpp"
 #include "renderer/ibl/octahedral_atlas.hpp"
 #include "renderer/ibl/suns.hpp"
 #include "renderer/image/decode.hpp"
@@ -100,6 +100,7 @@ struct PreparedScene {
   std::shared_ptr<const PreparedSky> background;  // null where no environment is seen
   // The environment's light for its shadows, in world space, as many for each sub-frame; empty where it casts none.
   std::vector<LightDirection> sky_lights;
+  LightSums sky_sums;         // of them
   std::vector<Light> lights;  // at most gpu::MOST_LIGHTS; the environment's intensity is in its suns
   double environment_intensity = 1, background_intensity = 1;  // multipliers of the maps' radiance
   std::optional<PreparedGround> ground;

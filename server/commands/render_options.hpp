@@ -21,6 +21,7 @@ struct RenderOptions {
   std::optional<std::string> background;   // environment, transparent or #rrggbb
   std::optional<double> blur_degrees;      // of the background
   std::optional<std::string> sun;
+  std::optional<std::string> visibility;
   bool ground = false;
 };
 

@@ -37,6 +37,7 @@ RenderOptions everything() {
   options.environment = "builtin:overcast";
   options.background = "#ff0080";
   options.sun = "keep";
+  options.visibility = "on";
   options.ground = true;
   return options;
 }
@@ -67,6 +68,7 @@ TEST(RenderOptions, EveryOptionIsUnderstoodByTheApi) {
   EXPECT_FLOAT_EQ(color.y, 0);
   EXPECT_NEAR(color.z, 0.2158605, 1e-6);  // sRGB 128 as published in many tables
   EXPECT_EQ(spec.environment.sun, SunMode::kKeep);
+  EXPECT_EQ(spec.environment.visibility, EnvironmentVisibility::kOn);
   EXPECT_TRUE(spec.environment.ground);
 }
 

@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "renderer/ibl/light_sums.hpp"
+#include "renderer/ibl/octahedral_atlas.hpp"
+
 namespace furnace {
 namespace {
 
@@ -90,6 +93,39 @@ TEST(LightCells, CrowdWhereTheLightIs) {
   const double flux = flux_of(lights)[0];
   EXPECT_NEAR(double(in_lamp) / 128, lamp_flux / flux / 1.25, 0.05);
   EXPECT_NEAR(lamp, lamp_flux, 0.08 * lamp_flux);
+}
+
+// In the corner texels, which the maps reach exactly.
+TEST(LightSums, AreTheSumsOverAllDirections) {
+  const auto lights = light_cells(even_map(1, 0.5f, 0.25f), 64);
+  constexpr int kSide = 9, kLevels = 3;
+  const LightSums sums = light_sums(lights, kSide, kLevels);
+  EXPECT_NEAR(sums.least_alpha, 3.0 / 8, 1e-12);
+  const auto samples = sums.maps.samples<float>();
+  for (const auto& [x, y] : {std::pair{0, 0}, {4, 4}, {8, 3}}) {
+    const auto at = direction_from_octahedral(x / 8.0, y / 8.0);
+    const auto row = [&](int level) { return samples[std::size_t(((level * kSide + y) * kSide + x) * 4)]; };
+    EXPECT_NEAR(row(0), irradiance(lights, at), 1e-5);
+    for (int level = 0; level < kLevels; ++level) {
+      double sum = 0;
+      for (const LightDirection& light : lights) {
+        const auto& d = light.towards;
+        const double luminance =
+            0.2126 * light.irradiance[0] + 0.7152 * light.irradiance[1] + 0.0722 * light.irradiance[2];
+        sum += luminance * ggx_lobe(d[0] * at[0] + d[1] * at[1] + d[2] * at[2],
+                                    std::pow(sums.least_alpha, 1 - level / 2.0));
+      }
+      EXPECT_NEAR(row(1 + level), sum, 1e-5) << level;
+    }
+  }
+}
+
+TEST(LightSums, ALobeIsOneInItsMiddleAndNothingBehind) {
+  for (const double alpha : {0.1, 0.5, 1.0}) {
+    EXPECT_DOUBLE_EQ(ggx_lobe(1, alpha), 1);
+    EXPECT_EQ(ggx_lobe(-0.5, alpha), 0);
+    EXPECT_LT(ggx_lobe(0.8, alpha), 0.81);
+  }
 }
 
 TEST(LightCells, OfABlackMapAreNone) {

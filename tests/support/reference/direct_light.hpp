@@ -8,7 +8,9 @@
 
 #include "renderer/ibl/baked_environment.hpp"
 #include "renderer/ibl/dfg.hpp"
+#include "renderer/image/color.hpp"
 #include "renderer/scene/framing.hpp"
+#include "tests/support/reference/convolution.hpp"
 #include "tests/support/reference/ray_caster.hpp"
 
 namespace furnace::reference {
@@ -19,7 +21,9 @@ struct DirectionalLight {
 };
 
 struct DirectLightSettings {
-  int pixel_side = 3;   // rays through a pixel each way
+  double sample_px =
+      0.25;  // the filter is that of a sub-frame: four samples so far from the middle of each even place
+  int pixel_side = 4;   // rays through a pixel each way
   int light_side = 10;  // directions of each lobe from each of these, squared
 };
 
@@ -80,11 +84,78 @@ struct Lobes {
   }
 };
 
+// Directions as dense as an equirect map's luminance, and a little everywhere. Pharr, Jakob and Humphreys 2016, "Physically
+// Based Rendering", section 14.2.4.
+class LightSampler {
+ public:
+  explicit LightSampler(const Image& equirect) : extent_(equirect.extent) {
+    double mean = 0;
+    std::vector<double> luminance, row_sr;
+    for (int j = 0; j < extent_.height; ++j) {
+      row_sr.push_back((std::cos(std::numbers::pi * j / extent_.height) -
+                        std::cos(std::numbers::pi * (j + 1) / extent_.height)) *
+                       2 * std::numbers::pi / extent_.width);
+      for (int i = 0; i < extent_.width; ++i) {
+        const Rgb value = texel_value(equirect, i, j);
+        luminance.push_back(luminance_rec709(value[0], value[1], value[2]));
+        mean += luminance.back() * row_sr.back() / (4 * std::numbers::pi);
+      }
+    }
+    for (int j = 0; j < extent_.height; ++j) {
+      double sum = 0;
+      for (int i = 0; i < extent_.width; ++i) {
+        density_.push_back(luminance[density_.size()] + 0.1 * mean);
+        columns_.push_back(sum += density_.back());
+      }
+      rows_.push_back((rows_.empty() ? 0 : rows_.back()) + sum * row_sr[std::size_t(j)]);
+    }
+  }
+
+  glm::dvec3 direction(const glm::dvec2& u) const {
+    const auto [j, v] = find(rows_.begin(), rows_.end(), u.x);
+    const auto row = columns_.begin() + std::ptrdiff_t(j) * extent_.width;
+    const auto [i, w] = find(row, row + extent_.width, u.y);
+    // Even in solid angle within the texel.
+    const double cosine = std::cos(std::numbers::pi * double(j) / extent_.height) * (1 - v) +
+                          std::cos(std::numbers::pi * double(j + 1) / extent_.height) * v;
+    const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+    const double phi = 2 * std::numbers::pi * ((double(i) + w) / extent_.width - 0.5);
+    return {sine * std::cos(phi), cosine, sine * std::sin(phi)};
+  }
+  // Of direction(), per steradian.
+  double density(const glm::dvec3& d) const {
+    const double u = std::atan2(d.z, d.x) / (2 * std::numbers::pi) + 0.5;
+    const double v = std::acos(std::clamp(d.y, -1.0, 1.0)) / std::numbers::pi;
+    const auto i = std::min(std::size_t(u * extent_.width), std::size_t(extent_.width) - 1);
+    const auto j = std::min(std::size_t(v * extent_.height), std::size_t(extent_.height) - 1);
+    return density_[j * std::size_t(extent_.width) + i] / rows_.back();
+  }
+
+ private:
+  using Sums = std::vector<double>::const_iterator;
+
+  // Where a share of the sum is reached: an index, and how far through it.
+  static std::pair<std::size_t, double> find(Sums first, Sums last, double share) {
+    const double target = share * *(last - 1);
+    const Sums at = std::upper_bound(first, last - 1, target);
+    const double before = at == first ? 0 : *(at - 1);
+    return {std::size_t(at - first), std::clamp((target - before) / (*at - before), 0.0, 1.0)};
+  }
+
+  Extent extent_;
+  std::vector<double> density_, columns_, rows_;
+};
+
 class DirectLight {
  public:
   DirectLight(const Scene& scene, const Image& equirect, std::vector<DirectionalLight> lights,
               const DirectLightSettings& settings = {})
-      : scene_(scene), caster_(scene), equirect_(equirect), lights_(std::move(lights)), settings_(settings) {}
+      : scene_(scene),
+        caster_(scene),
+        equirect_(equirect),
+        light_(equirect),
+        lights_(std::move(lights)),
+        settings_(settings) {}
 
   // Radiance of a pixel before exposure; black where nothing of the scene is.
   glm::dvec3 pixel(const View& view, Extent picture, int x, int y) const {
@@ -94,7 +165,10 @@ class DirectLight {
     glm::dvec3 sum(0);
     const int side = settings_.pixel_side;
     for (int k = 0; k < side * side; ++k) {
-      const double px = x + (k % side + random.next()) / side, py = y + (k / side + random.next()) / side;
+      const double spread_x = random.next() < 0.5 ? -settings_.sample_px : settings_.sample_px;
+      const double spread_y = random.next() < 0.5 ? -settings_.sample_px : settings_.sample_px;
+      const double px = x + (k % side + random.next()) / side + spread_x;
+      const double py = y + (k / side + random.next()) / side + spread_y;
       const glm::dvec4 at =
           world_from_clip * glm::dvec4(2 * px / picture.width - 1, 1 - 2 * py / picture.height, 0.5, 1);
       const glm::dvec3 eye(view.eye), direction = glm::normalize(glm::dvec3(at) / at.w - eye);
@@ -112,36 +186,45 @@ class DirectLight {
     return glm::dot(hit.face_normal, l) > 0 && caster_.is_free(hit.position + hit.face_normal * 1e-6, l);
   }
 
-  glm::dvec3 radiance(const Hit& hit, const glm::dvec3& v, Random& random) const {
+  // What of a radiance from `l` a surface reflects to `v`, times the cosine; both in its frame, where z is the normal.
+  static glm::dvec3 reflects(const Lobes& lobes, const glm::dvec3& v, const glm::dvec3& l, double alpha) {
+    const glm::dvec3 h = glm::normalize(l + v);
+    const double a2 = alpha * alpha;
+    const double V =
+        0.5 / (l.z * std::sqrt(v.z * v.z * (1 - a2) + a2) + v.z * std::sqrt(l.z * l.z * (1 - a2) + a2));
+    return (lobes.diffuse / std::numbers::pi + d_ggx(h.z, alpha) * V * lobes.fresnel(glm::dot(v, h))) * l.z;
+  }
+
+  // By three ways of choosing directions, each of which weighs what the others do: Veach and Guibas 1995, "Optimally
+  // Combining Sampling Techniques for Monte Carlo Rendering", the balance heuristic.
+  glm::dvec3 radiance(const Hit& hit, const glm::dvec3& v_world, Random& random) const {
     const Material& material = scene_.materials[std::size_t(hit.material)];
     const glm::dvec3& n = hit.normal;
-    const double NoV = std::clamp(glm::dot(n, v), 1e-4, 1.0);
     const double alpha = double(material.perceptual_roughness) * material.perceptual_roughness;
-    const Lobes lobes(material, NoV);
-    const glm::dvec3 x = glm::normalize(std::abs(n.y) < 0.9 ? glm::cross(n, glm::dvec3(0, 1, 0))
-                                                            : glm::cross(n, glm::dvec3(1, 0, 0)));
+    const glm::dvec3 other = std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+    const glm::dvec3 x = glm::normalize(glm::cross(n, other));
     const glm::dmat3 world(x, glm::cross(n, x), n);
-    const glm::dvec3 local_v = glm::transpose(world) * v;
-    glm::dvec3 diffuse(0), specular(0);
+    glm::dvec3 v = v_world * world;
+    v.z = std::clamp(v.z, 1e-4, 1.0);
+    const Lobes lobes(material, v.z);
     const int side = settings_.light_side;
-    for (int k = 0; k < side * side; ++k) {
-      const glm::dvec2 a((k % side + random.next()) / side, (k / side + random.next()) / side);
-      const glm::dvec3 l = world * cosine_direction(a);
-      if (sees(hit, l)) diffuse += environment(l);
-      const glm::dvec2 b((k % side + random.next()) / side, (k / side + random.next()) / side);
-      specular += reflected(hit, lobes, world, local_v, alpha, b);
+    glm::dvec3 sum(0);
+    for (int k = 0; k < 3 * side * side; ++k) {
+      const int cell = k / 3;
+      const glm::dvec2 u((cell % side + random.next()) / side, (cell / side + random.next()) / side);
+      const glm::dvec3 l = k % 3 == 0   ? cosine_direction(u)
+                           : k % 3 == 1 ? mirrored_by_visible_normal(v, alpha, u)
+                                        : light_.direction(u) * world;
+      if (l.z <= 0) continue;
+      const glm::dvec3 towards = world * l;
+      const double density =
+          l.z / std::numbers::pi + density_of_visible_normals(v, l, alpha) + light_.density(towards);
+      if (sees(hit, towards)) sum += reflects(lobes, v, l, alpha) * environment(towards) / density;
     }
-    glm::dvec3 sum = (lobes.diffuse * diffuse + specular) / double(side * side);
+    sum /= double(side * side);
     for (const DirectionalLight& light : lights_) {
-      const double NoL = glm::dot(n, light.towards);
-      if (NoL <= 0 || !sees(hit, light.towards)) continue;
-      const glm::dvec3 h = glm::normalize(light.towards + v);
-      const double NoH = glm::dot(n, h), a2 = alpha * alpha, d = NoH * NoH * (a2 - 1) + 1;
-      const double D = a2 / (std::numbers::pi * d * d);
-      const double V =
-          0.5 / (NoL * std::sqrt(NoV * NoV * (1 - a2) + a2) + NoV * std::sqrt(NoL * NoL * (1 - a2) + a2));
-      sum +=
-          light.irradiance * NoL * (lobes.diffuse / std::numbers::pi + D * V * lobes.fresnel(glm::dot(v, h)));
+      const glm::dvec3 l = light.towards * world;
+      if (l.z > 0 && sees(hit, light.towards)) sum += light.irradiance * reflects(lobes, v, l, alpha);
     }
     return sum;
   }
@@ -151,9 +234,8 @@ class DirectLight {
     return {radius * std::cos(angle), radius * std::sin(angle), std::sqrt(1 - u.x)};
   }
 
-  // Heitz 2018, "Sampling the GGX Distribution of Visible Normals": the weight of a direction is F G2 / G1(v).
-  glm::dvec3 reflected(const Hit& hit, const Lobes& lobes, const glm::dmat3& world, const glm::dvec3& v,
-                       double alpha, const glm::dvec2& u) const {
+  // Heitz 2018, "Sampling the GGX Distribution of Visible Normals".
+  static glm::dvec3 mirrored_by_visible_normal(const glm::dvec3& v, double alpha, const glm::dvec2& u) {
     const glm::dvec3 stretched = glm::normalize(glm::dvec3(alpha * v.x, alpha * v.y, v.z));
     const double across = stretched.x * stretched.x + stretched.y * stretched.y;
     const glm::dvec3 t1 =
@@ -163,22 +245,18 @@ class DirectLight {
     const double p1 = radius * std::cos(angle);
     const double p2 = (1 - s) * std::sqrt(1 - p1 * p1) + s * radius * std::sin(angle);
     const glm::dvec3 m = p1 * t1 + p2 * t2 + std::sqrt(std::max(0.0, 1 - p1 * p1 - p2 * p2)) * stretched;
-    const glm::dvec3 h = glm::normalize(glm::dvec3(alpha * m.x, alpha * m.y, std::max(0.0, m.z)));
-    const glm::dvec3 l = 2 * glm::dot(v, h) * h - v;
-    if (l.z <= 0) return glm::dvec3(0);
-    const glm::dvec3 towards = world * l;
-    if (!sees(hit, towards)) return glm::dvec3(0);
-    const auto lambda = [&](double cosine) {
-      return 0.5 * (std::sqrt(1 + alpha * alpha * (1 / (cosine * cosine) - 1)) - 1);
-    };
-    const double lambda_v = lambda(std::max(v.z, 1e-4));
-    return lobes.fresnel(glm::dot(v, h)) * ((1 + lambda_v) / (1 + lambda_v + lambda(l.z))) *
-           environment(towards);
+    const glm::dvec3 h = glm::normalize(glm::dvec3(alpha * m.x, alpha * m.y, std::max(1e-9, m.z)));
+    return 2 * glm::dot(v, h) * h - v;
+  }
+  static double density_of_visible_normals(const glm::dvec3& v, const glm::dvec3& l, double alpha) {
+    const double lambda_v = 0.5 * (std::sqrt(1 + alpha * alpha * (1 / (v.z * v.z) - 1)) - 1);
+    return d_ggx(glm::normalize(l + v).z, alpha) / ((1 + lambda_v) * 4 * v.z);
   }
 
   const Scene& scene_;
   RayCaster caster_;
   const Image& equirect_;
+  LightSampler light_;
   std::vector<DirectionalLight> lights_;
   DirectLightSettings settings_;
 };
