@@ -21,6 +21,7 @@ constexpr TypeWord kTypeWords[] = {
     {"object", "an object", JsonType::kObject}, {"array", "an array", JsonType::kArray},
     {"string", "a string", JsonType::kText},    {"integer", "a whole number", JsonType::kInteger},
     {"number", "a number", JsonType::kNumber},  {"boolean", "true or false", JsonType::kBoolean},
+    {"null", "null", JsonType::kNull},
 };
 
 const TypeWord& type_word(std::string_view name) {

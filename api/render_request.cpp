@@ -1,6 +1,8 @@
 #include "api/render_request.hpp"
 
 #include "api/contract.hpp"
+#include "api/film_request.hpp"
+#include "api/material_request.hpp"
 #include "api/procedural_request.hpp"
 #include "api/request_values.hpp"
 #include "api/validate.hpp"
@@ -34,9 +36,9 @@ class Reader {
     RenderSpec spec;
     read_scene(root["scene"], spec.scene);
     read_environment(root["environment"], spec.environment);
-    read_camera(root["camera"], spec.camera);
+    read_camera(root["camera"], spec.camera, faults_);
     spec.output.format = unstated_format;
-    read_output(root["output"], spec.output);
+    read_output(root["output"], limits_, spec.output, faults_);
     if (const std::string fault = format_fault(spec); !fault.empty())
       faults_.add(ErrorCode::kUnprocessable, root["output"]["format"] ? root["output"]["format"] : root,
                   fault);
@@ -48,7 +50,8 @@ class Reader {
  private:
   void read_scene(const Value& scene, SceneSpec& spec) {
     for (const auto& [name, value] : scene["materials"].members())
-      spec.materials.emplace(name, read_material(value));
+      spec.materials.emplace(name, read_material(value, assets_, faults_));
+    read_shading_model(scene["shadingModel"], spec.shading_model);
     if (const Value model = scene["model"]) read_model(model, spec);
     const Value nodes = scene["nodes"];
     for (std::size_t i = 0; i < nodes.size(); ++i) spec.nodes.push_back(read_node(nodes.at(i), spec));
@@ -56,12 +59,13 @@ class Reader {
     for (std::size_t i = 0; i < lights.size(); ++i) spec.lights.push_back(read_light(lights.at(i)));
     read(scene["modelLights"], spec.model_lights);
     if (!scene["model"] && !nodes) spec.nodes.push_back(default_node(kDefaultMesh));
-    if (const Value index = scene["gltfScene"]) {
-      read(index, spec.gltf_scene);
-      if (!scene["model"] || scene["model"].text().starts_with(kBuiltin))
-        faults_.add(ErrorCode::kUnprocessable, index,
+    read(scene["gltfScene"], spec.gltf_scene);
+    read(scene["variant"], spec.variant);
+    if (scene["model"] && !scene["model"].text().starts_with(kBuiltin)) return;
+    for (const std::string_view key : {"gltfScene", "variant"})
+      if (scene[key])
+        faults_.add(ErrorCode::kUnprocessable, scene[key],
                     "needs a glTF file as \"model\"; leave it out or name one");
-    }
   }
 
   Light read_light(const Value& value) {
@@ -135,7 +139,7 @@ class Reader {
     if (node.material && !faults_.full()) check_material_name(value["material"], scene);
     read(value["translation"], node.translation);
     read(value["scale"], node.scale);
-    if (const Value rotation = value["rotation"]) node.rotation = read_rotation(rotation);
+    if (const Value rotation = value["rotation"]) node.rotation = read_rotation(rotation, faults_);
     return node;
   }
 
@@ -147,42 +151,6 @@ class Reader {
     faults_.add(ErrorCode::kUnprocessable, material,
                 fmt::format("{} is neither in scene.materials nor a preset{}", api::quoted(name),
                             did_you_mean(name, known)));
-  }
-
-  glm::quat read_rotation(const Value& value) {
-    const glm::dvec4 xyzw(value.at(0).number(), value.at(1).number(), value.at(2).number(),
-                          value.at(3).number());
-    constexpr double kShortest = 1e-3;  // below, rounded decimals leave no direction
-    const double length = glm::length(xyzw);
-    if (length < kShortest) {
-      faults_.add(ErrorCode::kUnprocessable, value, "has no length; no rotation is [0, 0, 0, 1]");
-      return {1, 0, 0, 0};
-    }
-    const glm::vec4 unit(xyzw / length);
-    return {unit.w, unit.x, unit.y, unit.z};
-  }
-
-  static MaterialOverride read_material(const Value& value) {
-    MaterialOverride material;
-    if (value.type() == JsonType::kText) {
-      read(value, material.preset.emplace());
-      return material;
-    }
-    read(value["preset"], material.preset);
-    read(value["baseColor"], material.base_color);
-    read(value["metallic"], material.metallic);
-    read(value["roughness"], material.perceptual_roughness);
-    read(value["emissive"], material.emissive);
-    read(value["emissiveStrength"], material.emissive_strength);
-    read(value["normalScale"], material.normal_scale);
-    read(value["occlusionStrength"], material.occlusion_strength);
-    read(value["alphaCutoff"], material.alpha_cutoff);
-    read(value["doubleSided"], material.double_sided);
-    read(value["unlit"], material.unlit);
-    static constexpr Choice<AlphaMode> kModes[] = {
-        {"OPAQUE", AlphaMode::kOpaque}, {"MASK", AlphaMode::kMask}, {"BLEND", AlphaMode::kBlend}};
-    if (const Value mode = value["alphaMode"]) read_choice(mode, kModes, material.alpha_mode.emplace());
-    return material;
   }
 
   void read_environment(const Value& value, EnvironmentSpec& spec) {
@@ -257,109 +225,6 @@ class Reader {
       faults_.collect(map,
                       [&] { spec = EnvironmentFile{assets_.read(std::string(map.text()), map.pointer())}; });
     }
-  }
-
-  void read_camera(const Value& value, CameraSpec& spec) {
-    const Value orbit = value["orbit"], look_at = value["lookAt"], gltf = value["gltf"],
-                fov = value["fovYDegrees"];
-    if (gltf) {
-      auto& which = spec.view.emplace<GltfCamera>().which;
-      if (gltf.type() == JsonType::kText)
-        which = std::string(gltf.text());
-      else
-        which = gltf.integer();
-    } else if (look_at) {
-      auto& camera = spec.view.emplace<LookAtCamera>();
-      read(look_at["eye"], camera.eye);
-      read(look_at["target"], camera.target);
-      read(look_at["up"], camera.up);
-      read_degrees(fov, camera.fov_y_rad);
-    } else {
-      auto& camera = spec.view.emplace<OrbitCamera>();
-      read_degrees(orbit["azimuthDegrees"], camera.azimuth_rad);
-      read_degrees(orbit["elevationDegrees"], camera.elevation_rad);
-      read(orbit["fit"], camera.fit);
-      read(orbit["orthographic"], camera.orthographic);
-      read_degrees(fov, camera.fov_y_rad);
-    }
-    read_exposure(value, spec);
-  }
-
-  void read_exposure(const Value& camera, CameraSpec& spec) {
-    read(camera["exposureEv"], spec.exposure_ev);
-    bool automatic = false;
-    read(camera["autoExposure"], automatic);
-    if (automatic) spec.metering = AutoExposure{};
-    if (const Value ev100 = camera["ev100"]) spec.metering = PhysicalExposure{ev100.number()};
-    const Value aperture = camera["aperture"], shutter = camera["shutterSeconds"], iso = camera["iso"];
-    if (aperture && shutter) {
-      double sensitivity = 100;
-      read(iso, sensitivity);
-      spec.metering = PhysicalExposure{ev100_of(aperture.number(), shutter.number(), sensitivity)};
-    } else if (aperture) {
-      faults_.add(ErrorCode::kUnprocessable, aperture, "needs shutterSeconds beside it");
-    } else if (shutter || iso) {
-      faults_.add(ErrorCode::kUnprocessable, shutter ? shutter : iso,
-                  shutter ? "needs aperture beside it" : "needs aperture and shutterSeconds beside it");
-    }
-  }
-
-  // Lagarde and de Rousiers 2014, "Moving Frostbite to Physically Based Rendering", section 5.1.
-  static double ev100_of(double f_number, double shutter_s, double iso) {
-    return std::log2(f_number * f_number / shutter_s) - std::log2(iso / 100);
-  }
-
-  void read_output(const Value& value, OutputSpec& spec) {
-    read(value["width"], spec.width);
-    read(value["height"], spec.height);
-    if (const Value name = value["format"])
-      for (const FormatRow& row : kFormats)
-        if (row.name == name.text()) spec.format = row.format;
-    static constexpr Choice<SampleType> kTypes[] = {{"half", SampleType::kFloat16},
-                                                    {"float", SampleType::kFloat32}};
-    read_choice(value["exrType"], kTypes, spec.exr_type);
-    static constexpr Choice<ExrCompression> kCompressions[] = {{"none", ExrCompression::kNone},
-                                                               {"zip", ExrCompression::kZip},
-                                                               {"piz", ExrCompression::kPiz},
-                                                               {"dwaa", ExrCompression::kDwaa}};
-    if (const Value compression = value["exrCompression"])
-      read_choice(compression, kCompressions, spec.exr_compression.emplace());
-    read(value["bitDepth"], spec.bit_depth);
-    read(value["compressionQuality"], spec.compression_quality);
-    read(value["lossless"], spec.lossless);
-    static constexpr Choice<ToneMap> kCurves[] = {
-        {"pbr-neutral", ToneMap::kPbrNeutral}, {"aces", ToneMap::kAces},     {"agx", ToneMap::kAgx},
-        {"reinhard", ToneMap::kReinhard},      {"linear", ToneMap::kLinear}, {"none", ToneMap::kNone}};
-    read_choice(value["toneMap"], kCurves, spec.tone_map);
-    read(value["whiteBalanceKelvin"], spec.grade.white_balance_kelvin);
-    read(value["whiteBalanceTint"], spec.grade.white_balance_tint);
-    read(value["contrast"], spec.grade.contrast);
-    read(value["saturation"], spec.grade.saturation);
-    const Value quality = value["quality"];
-    spec.samples = samples_for_quality(quality ? quality.text() : kDefaultQuality);
-    read(value["samples"], spec.samples);
-    check_limits(value, spec);
-  }
-
-  void check_limits(const Value& output, const OutputSpec& spec) {
-    const std::pair<std::string_view, int> sides[] = {{"width", spec.width}, {"height", spec.height}};
-    bool sides_fit = true;
-    for (const auto& [key, side_px] : sides) {
-      if (side_px <= limits_.max_side_px) continue;
-      sides_fit = false;
-      faults_.add(
-          ErrorCode::kTooLarge, output[key],
-          fmt::format("{} px are more than this server's {} px a side", side_px, limits_.max_side_px));
-    }
-    if (const std::int64_t area_px = Extent{spec.width, spec.height}.area();
-        sides_fit && area_px > limits_.max_area_px)
-      faults_.add(ErrorCode::kTooLarge, output,
-                  fmt::format("{} x {} = {} px are more than this server's {} px a picture", spec.width,
-                              spec.height, area_px, limits_.max_area_px));
-    if (spec.samples > limits_.max_samples)
-      faults_.add(
-          ErrorCode::kTooLarge, output[output["samples"] ? "samples" : "quality"],
-          fmt::format("{} samples are more than this server's {}", spec.samples, limits_.max_samples));
   }
 
   const AssetResolver& assets_;

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 #include "api/document.hpp"
 #include "api/problem.hpp"
@@ -76,6 +77,10 @@ inline void read(const Value& value, double& target) {
   if (value) target = value.number();
 }
 
+inline void read(const Value& value, glm::vec2& target) {
+  if (value) target = {value.at(0).number(), value.at(1).number()};
+}
+
 inline void read(const Value& value, glm::vec3& target) {
   if (value) target = {value.at(0).number(), value.at(1).number(), value.at(2).number()};
 }
@@ -118,6 +123,20 @@ void read_choice(const Value& value, const Choice<T> (&choices)[kCount], T& targ
                                    [&](const Choice<T>& choice) { return choice.name == value.text(); });
   FURNACE_CHECK(found != choices + kCount, "{} is not handled", value.text());
   target = found->value;
+}
+
+// x, y, z, w of any length but none.
+inline glm::quat read_rotation(const Value& value, Faults& faults) {
+  const glm::dvec4 xyzw(value.at(0).number(), value.at(1).number(), value.at(2).number(),
+                        value.at(3).number());
+  constexpr double kShortest = 1e-3;  // below, rounded decimals leave no direction
+  const double length = glm::length(xyzw);
+  if (length < kShortest) {
+    faults.add(ErrorCode::kUnprocessable, value, "has no length; no rotation is [0, 0, 0, 1]");
+    return {1, 0, 0, 0};
+  }
+  const glm::vec4 unit(xyzw / length);
+  return {unit.w, unit.x, unit.y, unit.z};
 }
 
 }  // namespace furnace::api

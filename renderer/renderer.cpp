@@ -8,6 +8,7 @@
 #include "renderer/base/confined_thread.hpp"
 #include "renderer/base/error.hpp"
 #include "renderer/base/log.hpp"
+#include "renderer/frame/bloom.hpp"
 #include "renderer/frame/exposure.hpp"
 #include "renderer/frame/render_world.hpp"
 #include "renderer/scene/framing.hpp"
@@ -49,18 +50,19 @@ GlOutcome draw_on_gl_thread(RenderWorld& world, const RenderSpec& spec, const Pr
   outcome.upload_hit = !world.residency().uploaded();
 
   const auto draw = [&](const FramePlan& plan) {
-    return world.frames().render(world.residency(), plan, view, scene, preparation.scene, deadline);
+    FrameResult drawn =
+        world.frames().render(world.residency(), plan, view, scene, preparation.scene, deadline);
+    outcome.frame.draw_ms += drawn.draw_ms;
+    outcome.frame.readback_ms += drawn.readback_ms;
+    return std::move(drawn.pixels);
   };
-  FrameResult meter;
   double auto_ev = 0;
-  if (std::holds_alternative<AutoExposure>(spec.camera.metering)) {
-    meter = draw(plan_meter(spec, max_tile_px));
-    auto_ev = metered_ev(meter.pixels);
-  }
-  const FramePlan plan = plan_frame(spec, max_tile_px, auto_ev);
-  outcome.frame = draw(plan);
-  outcome.frame.draw_ms += meter.draw_ms;
-  outcome.frame.readback_ms += meter.readback_ms;
+  if (std::holds_alternative<AutoExposure>(spec.camera.metering))
+    auto_ev = metered_ev(draw(plan_meter(spec, max_tile_px)));
+  FramePlan plan = plan_frame(spec, max_tile_px, auto_ev);
+  if (plan.bloom)
+    plan.bloom->glow = spread_glow(draw(plan_glow(plan, max_tile_px)), *spec.output.bloom, plan.picture);
+  outcome.frame.pixels = draw(plan);
   outcome.exposure_ev = plan.exposure_ev;
   if (context.lost()) outcome.kind = GlOutcome::Kind::kContextLost;
   return outcome;
@@ -141,6 +143,9 @@ Film Renderer::render(const RenderSpec& spec, const Deadline& deadline) {
       return drawn;
     });
     film.notes = std::move(preparation.notes);
+    if (spec.camera.depth_of_field && spec.output.samples == 1)
+      film.notes.push_back({"depth-of-field-needs-samples", "/camera/depthOfField",
+                            "a single sample sees through a pinhole; ask for quality high or for samples"});
     film.times.queue_ms += outcome.queue_ms;
     film.times.upload_ms += outcome.upload_ms;
     if (outcome.kind == GlOutcome::Kind::kDone) break;

@@ -93,11 +93,13 @@ std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, 
       spec_hash(scene_only), deadline,
       [&] {
         if (spec.model == nullptr) return compose_scene(spec, nullptr);
-        const ContentHash key =
-            HashBuilder().add(spec.model->hash).add(std::int64_t(spec.gltf_scene)).finish();
-        const auto model = imports_.get_or_load(key, deadline, [&] {
+        HashBuilder key;
+        key.add(spec.model->hash).add(std::int64_t(spec.gltf_scene));
+        if (spec.variant) key.add(*spec.variant);
+        const auto model = imports_.get_or_load(key.finish(), deadline, [&] {
           return with_context("/scene/model", [&] {
-            return import_gltf(*spec.model, ImportOptions{spec.gltf_scene}, config_.import, deadline);
+            return import_gltf(*spec.model, ImportOptions{spec.gltf_scene, spec.variant}, config_.import,
+                               deadline);
           });
         });
         return compose_scene(spec, model.get());

@@ -3,15 +3,15 @@
 namespace furnace {
 namespace {
 
-constexpr GLuint kDrawBinding = 1, kMaterialBinding = 2;
-constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kDfgUnit = 7, kGroundUnit = 13, kShadowUnit = 14,
-                 kShadowDepthUnit = 15, kSkyShadowUnit = 16, kSkySumsUnit = 17;
+constexpr GLuint kDrawBinding = 1, kMaterialBinding = 2, kLayerBinding = 5;
+constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kDfgUnit = 7, kGroundUnit = 13, kSkySumsUnit = 13,
+                 kShadowUnit = 14, kShadowDepthUnit = 15, kLayerUnit = 16, kBackdropUnit = 30, kBehindUnit = 31;
 constexpr GLuint kColorLocation = 5;
 
 constexpr SamplerDesc kSkySampler{Wrap::kRepeat, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
                                   MipFilter::kLinear};
-constexpr SamplerDesc kGroundSampler{Wrap::kClampToEdge, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
-                                     MipFilter::kLinear};
+constexpr SamplerDesc kClampedSampler{Wrap::kClampToEdge, Wrap::kClampToEdge, Filter::kLinear,
+                                      Filter::kLinear, MipFilter::kLinear};
 constexpr SamplerDesc kTableSampler{Wrap::kClampToEdge, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
                                     MipFilter::kNone};
 // Integer textures are complete only so.
@@ -41,6 +41,9 @@ void bind_environment(const PassContext& pass) {
   glBindSampler(kAtlasUnit, samplers.get(pass.context, kTableSampler));
   glBindTextureUnit(kDfgUnit, pass.residency.dfg_texture());
   glBindSampler(kDfgUnit, samplers.get(pass.context, kTableSampler));
+  if (pass.sky_sums == nullptr) return;
+  glBindTextureUnit(kSkySumsUnit, pass.sky_sums->id());
+  glBindSampler(kSkySumsUnit, samplers.get(pass.context, kTableSampler));
 }
 
 void bind_texels(gl::Context& context, Residency& residency, GLuint unit, const gl::Texture& texture) {
@@ -55,15 +58,26 @@ void bind_shadows(const PassContext& pass) {
   bind_texels(pass.context, pass.residency, kShadowDepthUnit, pass.targets.shadows->maps);
 }
 
-void bind_sky_shadows(const PassContext& pass) {
-  bind_texels(pass.context, pass.residency, kSkyShadowUnit, pass.targets.sky_shadows->maps);
-  glBindTextureUnit(kSkySumsUnit, pass.sky_sums->id());
-  glBindSampler(kSkySumsUnit, pass.residency.samplers().get(pass.context, kTableSampler));
-}
-
 void bind_ground(const PassContext& pass) {
   glBindTextureUnit(kGroundUnit, pass.scene.ground_shadow->texture.id());
-  glBindSampler(kGroundUnit, pass.residency.samplers().get(pass.context, kGroundSampler));
+  glBindSampler(kGroundUnit, pass.residency.samplers().get(pass.context, kClampedSampler));
+}
+
+void bind_backdrop(const PassContext& pass) {
+  if (!pass.targets.backdrop || pass.is_backdrop) return;
+  gl::SamplerCache& samplers = pass.residency.samplers();
+  glBindTextureUnit(kBackdropUnit, pass.targets.backdrop->color.id());
+  glBindSampler(kBackdropUnit, samplers.get(pass.context, kClampedSampler));
+  glBindTextureUnit(kBehindUnit, pass.scene.background != nullptr ? pass.scene.background->texture.id()
+                                                                  : pass.residency.neutral_texture());
+  glBindSampler(kBehindUnit, samplers.get(pass.context, kSkySampler));
+}
+
+gl::FeatureSet caster_features(const Draw& draw) {
+  constexpr gl::FeatureSet kOpacity = gl::kFeatureAlphaMask | gl::kFeatureAlphaBlend;
+  gl::FeatureSet features = draw.features & kOpacity;
+  if (draw.seen_through()) features |= gl::kFeatureAlphaBlend;
+  return features == 0 ? 0 : features | (draw.features & gl::kFeatureMaterialMaps);
 }
 
 void bind_draw(const GpuScene& scene, const Draw& draw) {
@@ -74,6 +88,11 @@ void bind_draw(const GpuScene& scene, const Draw& draw) {
                     draw.material * scene.material_stride, sizeof(gpu::MaterialBlock));
   glBindTextures(0, gpu::kCoreTextures, material.textures.data());
   glBindSamplers(0, gpu::kCoreTextures, material.samplers.data());
+  if (!material.layered) return;
+  glBindBufferRange(GL_UNIFORM_BUFFER, kLayerBinding, scene.layer_blocks.id(),
+                    draw.material * scene.layer_stride, sizeof(gpu::LayerBlock));
+  glBindTextures(kLayerUnit, gpu::kLayerTextures, material.textures.data() + gpu::kCoreTextures);
+  glBindSamplers(kLayerUnit, gpu::kLayerTextures, material.samplers.data() + gpu::kCoreTextures);
 }
 
 void bind_program(const PassContext& pass, const char* vertex, const char* fragment,

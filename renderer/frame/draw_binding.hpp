@@ -19,10 +19,12 @@ void bind_environment(const PassContext& pass);
 void bind_texels(gl::Context& context, Residency& residency, GLuint unit, const gl::Texture& texture);
 // The shadow maps, as they are compared and as they are.
 void bind_shadows(const PassContext& pass);
-// Those of the environment, and the sums of its light.
-void bind_sky_shadows(const PassContext& pass);
+// What stands behind what is seen through.
+void bind_backdrop(const PassContext& pass);
 // The ground's shadow.
 void bind_ground(const PassContext& pass);
+// Of the shaders that draw shadows: none where only the place of the triangles counts.
+gl::FeatureSet caster_features(const Draw& draw);
 // The blocks and textures of a draw.
 void bind_draw(const GpuScene& scene, const Draw& draw);
 void bind_program(const PassContext& pass, const char* vertex, const char* fragment, gl::FeatureSet features);

@@ -14,22 +14,21 @@ double exposure_ev_of_ev100(double ev100) {
   return -(ev100 + std::log2(1.2));
 }
 
-FramePlan plan_meter(RenderSpec spec, int max_tile_px) {
+FramePlan plan_meter(const RenderSpec& spec, int max_tile_px) {
   constexpr int kSidePx = 256;
-  OutputSpec& output = spec.output;
-  const double scale = std::min(1.0, double(kSidePx) / std::max(output.width, output.height));
-  output.width = std::max(1, int(std::lround(output.width * scale)));
-  output.height = std::max(1, int(std::lround(output.height * scale)));
-  output.samples = 1;
-  output.format = OutputFormat::kExr;
-  output.exr_type = SampleType::kFloat32;
-  output.grade = {};
-  spec.environment.visibility = EnvironmentVisibility::kOff;
-  spec.camera.metering = UnmeteredExposure{};
-  spec.camera.exposure_ev = 0;
-  if (!std::holds_alternative<EnvironmentBackground>(spec.environment.background))
-    spec.environment.background = TransparentBackground{};
-  return plan_frame(spec, max_tile_px);
+  FramePlan plan = scaled_plan(plan_frame(spec, max_tile_px), kSidePx);
+  set_samples(plan, 1, {});
+  plan.film_type = SampleType::kFloat32;
+  plan.exposure_ev = 0;
+  plan.exposure = 1;
+  plan.grade.reset();
+  plan.bloom.reset();
+  plan.sky_views = 0;
+  if (!std::holds_alternative<EnvironmentBackground>(spec.environment.background)) {
+    plan.background_top = plan.background_bottom = glm::vec4(0);
+    plan.opaque = false;
+  }
+  return plan;
 }
 
 // Reinhard et al. 2002, "Photographic Tone Reproduction for Digital Images", eq. 1 and 2.

@@ -1,6 +1,7 @@
 #include "renderer/frame/frame_plan.hpp"
 
 #include "renderer/frame/exposure.hpp"
+#include "renderer/frame/pixel_filter.hpp"
 #include "renderer/frame/sky_plan.hpp"
 #include "renderer/frame/white_balance.hpp"
 
@@ -10,11 +11,12 @@
 namespace furnace {
 namespace {
 
-std::vector<Tile> cut_tiles(Extent picture, int side) {
+std::vector<Tile> cut_tiles(Extent picture, Extent largest) {
   std::vector<Tile> tiles;
-  for (int y = 0; y < picture.height; y += side) {
-    for (int x = 0; x < picture.width; x += side) {
-      tiles.push_back({x, y, {std::min(side, picture.width - x), std::min(side, picture.height - y)}});
+  for (int y = 0; y < picture.height; y += largest.height) {
+    for (int x = 0; x < picture.width; x += largest.width) {
+      tiles.push_back(
+          {x, y, {std::min(largest.width, picture.width - x), std::min(largest.height, picture.height - y)}});
     }
   }
   return tiles;
@@ -50,12 +52,30 @@ glm::vec2 r2_offset(int i) {
   return {float(x - std::floor(x) - 0.5), float(y - std::floor(y) - 0.5)};
 }
 
+void set_picture(FramePlan& plan, Extent picture, Extent largest_tile) {
+  plan.picture = picture;
+  plan.tile_size = {std::min(largest_tile.width, picture.width),
+                    std::min(largest_tile.height, picture.height)};
+  plan.tiles = cut_tiles(picture, plan.tile_size);
+}
+
+FramePlan scaled_plan(FramePlan plan, int max_side_px) {
+  const double scale = std::min(1.0, double(max_side_px) / std::max(plan.picture.width, plan.picture.height));
+  const auto scaled = [&](int side) { return std::max(1, int(std::lround(side * scale))); };
+  set_picture(plan, {scaled(plan.picture.width), scaled(plan.picture.height)}, plan.tile_size);
+  return plan;
+}
+
+void set_samples(FramePlan& plan, int count, const PixelFilter& filter) {
+  plan.jitter_px.clear();
+  for (int i = 0; i < count; ++i) plan.jitter_px.push_back(r2_offset(i));
+  plan.weights = warp_by_filter(filter, plan.jitter_px);
+}
+
 FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev) {
   FramePlan plan;
-  plan.picture = {spec.output.width, spec.output.height};
-  plan.tiles = cut_tiles(plan.picture, max_tile_px);
-  plan.tile_size = {std::min(max_tile_px, plan.picture.width), std::min(max_tile_px, plan.picture.height)};
-  for (int i = 0; i < spec.output.samples; ++i) plan.jitter_px.push_back(r2_offset(i));
+  set_picture(plan, {spec.output.width, spec.output.height}, {max_tile_px, max_tile_px});
+  set_samples(plan, spec.output.samples, spec.output.pixel_filter);
 
   plan.exposure_ev = exposure_ev(spec.camera, auto_ev);
   plan.exposure = std::exp2(plan.exposure_ev);
@@ -81,6 +101,8 @@ FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev) {
     plan.projection = environment.ground->projection;
   }
   plan.sky_views = sky_views_wanted(spec);
+  if (const auto& bloom = spec.output.bloom)
+    plan.bloom = PlannedBloom{bloom->source, float(bloom->intensity), float(bloom->threshold), {}};
   plan.tone_map = spec.output.tone_map;
   plan.film_type = film_type(spec.output);
   return plan;

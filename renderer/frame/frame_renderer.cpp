@@ -12,10 +12,21 @@
 namespace furnace {
 namespace {
 
-constexpr GLuint kFrameBinding = 0, kLightBinding = 4, kSkyBinding = 5;
+constexpr GLuint kFrameBinding = 0, kLightBinding = 4, kSkyBinding = 6;
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+PassContext emission_of(PassContext pass) {
+  pass.emission = true;
+  return pass;
+}
+
+void shade_and_accumulate(const PassContext& pass, std::size_t subframe) {
+  pass_veil(pass);
+  pass_shade(pass);
+  pass_accumulate(pass, subframe);
 }
 
 }  // namespace
@@ -23,66 +34,111 @@ double ms_since(Clock::time_point start) {
 FrameRenderer::FrameRenderer(gl::Context& context, gl::ProgramCache& programs)
     : context_(context), programs_(programs), empty_vertex_array_(gl::create_vertex_array(context)) {}
 
+// What shines on the sub-frame, and the maps of what it casts shadows of.
+FrameRenderer::LightBuffers FrameRenderer::draw_shadows(const FrameJob& job, const PassContext& pass,
+                                                        std::size_t subframe) {
+  const PreparedScene& prepared = job.prepared;
+  const std::size_t subframes = pass.plan.jitter_px.size();
+  LightPlan lights;
+  if (!prepared.lights.empty())
+    lights = plan_lights(prepared.lights, prepared.bounds, {pass.tile.x, pass.tile.y}, int(subframe),
+                         int(subframes));
+  SkyPlan sky;
+  if (job.sky_sums != nullptr) {
+    if (prepared.lights.empty()) lights.side_px = kSkyMapPx;
+    sky = plan_sky(prepared.sky_lights, prepared.bounds, prepared.sky_sums.least_alpha, lights.views,
+                   lights.side_px, int(subframe), int(subframes));
+  }
+  LightBuffers buffers;
+  if (prepared.lights.empty() && job.sky_sums == nullptr) return buffers;
+  const int sky_views = int(sky.clip_from_world.size());
+  provide_shadows(context_, lights.side_px, std::max(lights.views + sky_views, 1), job.targets);
+  if (!prepared.lights.empty()) {
+    buffers.lights = gl::create_buffer(context_, &lights.block, sizeof lights.block);
+    glBindBufferBase(GL_UNIFORM_BUFFER, kLightBinding, buffers.lights.id());
+  }
+  if (job.sky_sums != nullptr) {
+    buffers.sky = gl::create_buffer(context_, &sky.block, sizeof sky.block);
+    glBindBufferBase(GL_UNIFORM_BUFFER, kSkyBinding, buffers.sky.id());
+  }
+  // A lone sub-frame's maps are the same for every tile.
+  const Tile& first = pass.plan.tiles.front();
+  if (subframes == 1 && (pass.tile.x != first.x || pass.tile.y != first.y)) return buffers;
+  pass_shadow(pass, std::span(lights.block.shadow_from_world).first(std::size_t(lights.views)), 0,
+              Casters::kExact);
+  pass_shadow(pass, sky.clip_from_world, lights.views, Casters::kSimplified);
+  return buffers;
+}
+
+// One sub-frame of one tile, accumulated where there are several. `glow`: of the whole picture, empty where there is no bloom; null: the tile
+// is one of the backdrop.
+void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, const Tile& tile,
+                                  std::size_t subframe, const gl::Texture* glow) {
+  check_deadline(job.deadline, "draw");
+  const std::size_t subframes = plan.jitter_px.size();
+  const GroundRectangle* ground_map =
+      job.scene.ground_shadow != nullptr ? &job.scene.ground_shadow->rectangle : nullptr;
+  const gpu::FrameBlock frame = pack_frame(plan, job.view, job.prepared, ground_map, tile, subframe);
+  const gl::Buffer uniform = gl::create_buffer(context_, &frame, sizeof frame);
+  glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniform.id());
+  const PassContext pass{context_,      programs_,    job.residency,
+                         plan,          job.targets,  job.scene,
+                         tile,          empty_vertex_array_, frame,
+                         glow,          glow == nullptr, false,
+                         job.sky_sums};
+  const LightBuffers lights = draw_shadows(job, pass, subframe);
+  pass_visibility(pass);
+  const bool emission = !pass.is_backdrop && plan.bloom && plan.bloom->source == BloomSource::kEmission;
+  if (emission) shade_and_accumulate(emission_of(pass), subframe);
+  if (!(emission && plan.glow_only)) shade_and_accumulate(pass, subframe);
+  glFinish();
+  if (subframe + 1 < subframes) return;
+  if (pass.is_backdrop) {
+    pass_backdrop(pass);
+  } else {
+    pass_resolve(pass);
+  }
+  glFinish();
+}
+
+void FrameRenderer::draw_backdrop(const FrameJob& job) {
+  constexpr int kMostSidePx = 2048;
+  const FramePlan plan = scaled_plan(job.plan, kMostSidePx);
+  provide_backdrop(context_, plan.picture, job.targets);
+  for (const Tile& tile : plan.tiles) {
+    for (std::size_t i = 0; i < plan.jitter_px.size(); ++i) draw_subframe(job, plan, tile, i, nullptr);
+  }
+  glGenerateTextureMipmap(job.targets.backdrop->color.id());
+}
+
 FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, const View& view,
                                   const GpuScene& scene, const PreparedScene& prepared,
                                   const Deadline& deadline) {
-  const GroundRectangle* ground_map =
-      scene.ground_shadow != nullptr ? &scene.ground_shadow->rectangle : nullptr;
   const std::size_t subframes = plan.jitter_px.size();
-  provide_targets(context_, plan, {!scene.blended.empty() || !scene.strokes.empty(), subframes > 1},
-                  targets_);
+  const bool veil = !scene.blended.empty() || !scene.strokes.empty();
+  const bool emission = plan.bloom && plan.bloom->source == BloomSource::kEmission;
+  // The glow's are of one size or few, and kept beside the picture's.
+  std::optional<FrameTargets>& targets = plan.glow_only ? glow_targets_ : picture_targets_;
+  provide_targets(context_, plan, {veil, subframes > 1 || scene.nearest_glass_m, emission}, targets);
   std::optional<gl::Texture> sky_sums;
   if (plan.sky_views > 0 && !prepared.sky_lights.empty() && !prepared.bounds.empty())
     sky_sums = gl::upload_texture(context_, prepared.sky_sums.maps, false);
+  const FrameJob job{residency, plan, view, scene, prepared, deadline, *targets, sky_sums ? &*sky_sums : nullptr};
+  gl::Texture glow;
+  if (plan.bloom && !plan.glow_only) glow = gl::upload_texture(context_, plan.bloom->glow, false);
   FrameResult result;
   result.pixels = make_image(plan.picture, 4, plan.film_type,
                              plan.scene_linear() ? ColorSpace::kLinear : ColorSpace::kSrgb);
+  const Clock::time_point backdrop_start = Clock::now();
+  if (scene.nearest_glass_m) draw_backdrop(job);
+  result.draw_ms += ms_since(backdrop_start);
   for (const Tile& tile : plan.tiles) {
     const Clock::time_point start = Clock::now();
-    for (std::size_t subframe = 0; subframe < subframes; ++subframe) {
-      check_deadline(deadline, "draw");
-      const gpu::FrameBlock frame = pack_frame(plan, view, prepared, ground_map, tile, subframe);
-      const gl::Buffer uniform = gl::create_buffer(context_, &frame, sizeof frame);
-      glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniform.id());
-      const PassContext pass{
-          context_, programs_, residency,           plan,  *targets_,
-          scene,    tile,      empty_vertex_array_, frame, sky_sums ? &*sky_sums : nullptr};
-      gl::Buffer light_uniform;
-      if (!prepared.lights.empty()) {
-        const LightPlan lights =
-            plan_lights(prepared.lights, prepared.bounds, {tile.x, tile.y}, int(subframe), int(subframes));
-        provide_shadows(context_, GL_DEPTH_COMPONENT32F, lights.side_px, std::max(lights.views, 1),
-                        targets_->shadows);
-        light_uniform = gl::create_buffer(context_, &lights.block, sizeof lights.block);
-        glBindBufferBase(GL_UNIFORM_BUFFER, kLightBinding, light_uniform.id());
-        // A lone sub-frame's maps are the same for every tile.
-        if (subframes > 1 || &tile == &plan.tiles.front())
-          pass_shadow(pass, *targets_->shadows,
-                      std::span(lights.block.shadow_from_world).first(std::size_t(lights.views)),
-                      Casters::kExact);
-      }
-      gl::Buffer sky_uniform;
-      if (sky_sums) {
-        const SkyPlan sky = plan_sky(prepared.sky_lights, prepared.bounds, prepared.sky_sums.least_alpha,
-                                     int(subframe), int(subframes));
-        provide_shadows(context_, GL_DEPTH_COMPONENT16, kSkyMapPx, int(sky.clip_from_world.size()),
-                        targets_->sky_shadows);
-        sky_uniform = gl::create_buffer(context_, &sky.block, sizeof sky.block);
-        glBindBufferBase(GL_UNIFORM_BUFFER, kSkyBinding, sky_uniform.id());
-        pass_shadow(pass, *targets_->sky_shadows, sky.clip_from_world, Casters::kSimplified);
-      }
-      pass_visibility(pass);
-      pass_veil(pass);
-      pass_shade(pass);
-      pass_accumulate(pass, subframe == 0);
-      glFinish();
-      if (subframe + 1 == subframes) pass_resolve(pass);
-    }
-    glFinish();
+    for (std::size_t i = 0; i < subframes; ++i) draw_subframe(job, plan, tile, i, &glow);
     result.draw_ms += ms_since(start);
 
     const Clock::time_point read_start = Clock::now();
-    gl::read_pixels(context_, targets_->film.framebuffer, tile.size, result.pixels, tile.x, tile.y);
+    gl::read_pixels(context_, targets->film.framebuffer, tile.size, result.pixels, tile.x, tile.y);
     result.readback_ms += ms_since(read_start);
   }
   return result;

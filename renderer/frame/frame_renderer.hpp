@@ -11,6 +11,8 @@
 
 namespace furnace {
 
+struct PassContext;
+
 struct FrameResult {
   Image pixels;  // RGBA of the plan's film_type, straight alpha for kUint8/16, premultiplied else
   double draw_ms = 0, readback_ms = 0;
@@ -30,10 +32,29 @@ class FrameRenderer {
                              const Deadline& deadline);
 
  private:
+  // What one frame is drawn of; lives as long as the call.
+  struct FrameJob {
+    Residency& residency;
+    const FramePlan& plan;
+    const View& view;
+    const GpuScene& scene;
+    const PreparedScene& prepared;
+    const Deadline& deadline;
+    FrameTargets& targets;
+    const gl::Texture* sky_sums;  // as PassContext's
+  };
+  struct LightBuffers {
+    gl::Buffer lights, sky;
+  };
+  LightBuffers draw_shadows(const FrameJob& job, const PassContext& pass, std::size_t subframe);
+  void draw_backdrop(const FrameJob& job);
+  void draw_subframe(const FrameJob& job, const FramePlan& plan, const Tile& tile, std::size_t subframe,
+                     const gl::Texture* glow);
+
   gl::Context& context_;
   gl::ProgramCache& programs_;
   gl::VertexArray empty_vertex_array_;
-  std::optional<FrameTargets> targets_;
+  std::optional<FrameTargets> picture_targets_, glow_targets_;
 };
 
 }  // namespace furnace

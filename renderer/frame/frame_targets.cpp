@@ -65,16 +65,23 @@ void provide_targets(gl::Context& context, const FramePlan& plan, TargetNeeds ne
   }
   if (needs.accumulated && !targets->accumulated)
     targets->accumulated = create_color_target(context, kRadiance, plan.tile_size);
+  if (needs.emission && !targets->emission)
+    targets->emission = create_color_target(context, kRadiance, plan.tile_size);
 }
 
-void provide_shadows(gl::Context& context, GLenum format, int side_px, int views,
-                     std::optional<ShadowTarget>& target) {
-  if (target && target->side_px == side_px && target->views >= views) return;
-  target.reset();
+void provide_backdrop(gl::Context& context, Extent size, FrameTargets& targets) {
+  if (targets.backdrop && targets.backdrop->size == size) return;
+  targets.backdrop.reset();
+  targets.backdrop = BackdropTarget{size, gl::create_texture(context, kRadiance, size, gl::mip_levels(size))};
+}
+
+void provide_shadows(gl::Context& context, int side_px, int views, FrameTargets& targets) {
+  if (targets.shadows && targets.shadows->side_px == side_px && targets.shadows->views >= views) return;
+  targets.shadows.reset();
   ShadowTarget shadows;
   shadows.side_px = side_px;
   shadows.views = views;
-  shadows.maps = gl::create_texture_array(context, format, {side_px, side_px}, views);
+  shadows.maps = gl::create_texture_array(context, GL_DEPTH_COMPONENT32F, {side_px, side_px}, views);
   const GLuint maps = shadows.maps.id();
   glTextureParameteri(maps, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   glTextureParameteri(maps, GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);  // depth is reversed: nearer is larger
@@ -86,7 +93,7 @@ void provide_shadows(gl::Context& context, GLenum format, int side_px, int views
   glCreateFramebuffers(1, &framebuffer);
   shadows.framebuffer = gl::Framebuffer(framebuffer);
   glNamedFramebufferDrawBuffer(framebuffer, GL_NONE);
-  target = std::move(shadows);
+  targets.shadows = std::move(shadows);
 }
 
 }  // namespace furnace

@@ -41,6 +41,12 @@ struct ColorTarget {
   gl::Framebuffer framebuffer;
 };
 
+// What stands behind transmissive surfaces: the whole picture, premultiplied, mipmapped.
+struct BackdropTarget {
+  Extent size;
+  gl::Texture color;  // RGBA32F
+};
+
 // Threads: the context's. Owns: its textures and framebuffers.
 struct FrameTargets {
   Extent size;
@@ -48,20 +54,23 @@ struct FrameTargets {
 
   VisibilityTarget visibility;
   ShadingTarget shading;
-  std::optional<VeilTarget> veil;           // only for scenes that need it
-  std::optional<ShadowTarget> shadows;      // only for scenes with lights that cast some
-  std::optional<ShadowTarget> sky_shadows;  // only where the environment casts some
-  std::optional<ColorTarget> accumulated;   // RGBA32F: the mean of several sub-frames
-  ColorTarget film;                         // what is read back
+  std::optional<VeilTarget> veil;          // only for scenes that need it
+  std::optional<ShadowTarget> shadows;     // only for scenes with lights that cast some
+  std::optional<ColorTarget> accumulated;  // RGBA32F: the mean of several sub-frames
+  std::optional<BackdropTarget> backdrop;  // only for scenes with transmissive surfaces
+  std::optional<ColorTarget> emission;     // RGBA32F: the mean of what the surfaces emit, for bloom
+  ColorTarget film;                        // what is read back
 };
 
 struct TargetNeeds {
-  bool veil = false, accumulated = false;
+  bool veil = false, accumulated = false, emission = false;
 };
 
-// Makes a shadow target of at least so many views, of this side and depth format; what fits is kept.
-void provide_shadows(gl::Context& context, GLenum format, int side_px, int views,
-                     std::optional<ShadowTarget>& target);
+// Makes a shadow target of at least so many views and of this side; what fits is kept. `targets` is provided.
+void provide_shadows(gl::Context& context, int side_px, int views, FrameTargets& targets);
+
+// Makes a backdrop of this size; one of the same is kept. `targets` is provided.
+void provide_backdrop(gl::Context& context, Extent size, FrameTargets& targets);
 
 // Makes what `targets` lacks for the plan; what fits is kept.
 void provide_targets(gl::Context& context, const FramePlan& plan, TargetNeeds needs,

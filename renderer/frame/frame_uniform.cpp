@@ -114,10 +114,34 @@ glm::dmat3 ray_from_tile(const glm::dmat4& tile_from_clip) {
   return glm::inverse(tile_from_ray);
 }
 
+// What is seen behind transmissive surfaces. `view`: from the middle of the lens, as the mean of the sub-frames.
+void pack_backdrop(const FramePlan& plan, const View& view, const PreparedScene& scene,
+                   gpu::FrameBlock& block) {
+  const glm::dmat4 place_from_clip =
+      glm::scale(glm::translate(glm::dmat4(1), glm::dvec3(0.5, 0.5, 0)), glm::dvec3(0.5, -0.5, 1));
+  block.backdrop_from_world =
+      glm::mat4(place_from_clip * glm::dmat4(view.clip_from_view) * glm::dmat4(view.view_from_world));
+  block.background_top = plan.background_top;
+  block.background_bottom = plan.background_bottom;
+  const double lit = scene.environment_intensity;
+  if (scene.background == nullptr) {
+    block.backdrop_kind = plan.opaque ? gpu::BACKDROP_COLOR : gpu::BACKDROP_TRANSPARENT;
+  } else if (scene.background->key == scene.environment->seen().key && lit > 0) {
+    block.backdrop_kind = gpu::BACKDROP_LIGHT;
+    block.background_share = float(scene.background_intensity / lit);
+  } else {
+    block.backdrop_kind = gpu::BACKDROP_MAP;
+  }
+}
+
 }  // namespace
 
-gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const PreparedScene& scene,
+gpu::FrameBlock pack_frame(const FramePlan& plan, const View& camera, const PreparedScene& scene,
                            const GroundRectangle* ground_map, const Tile& tile, std::size_t subframe) {
+  const int subframes = int(plan.jitter_px.size());
+  const bool pinhole = camera.lens.radius_m == 0 || subframes == 1;
+  const View view =
+      pinhole ? camera : through_lens(camera, lens_place(camera.lens, int(subframe), subframes));
   const PreparedEnvironment& environment = *scene.environment;
   const glm::vec2 jitter_px = plan.jitter_px[subframe];
   gpu::FrameBlock block{};
@@ -144,6 +168,7 @@ gpu::FrameBlock pack_frame(const FramePlan& plan, const View& view, const Prepar
         glm::mat4(glm::dmat4(map_from_ndc(true_rays, scene.ground->level_m, *ground_map) * ray_from_ndc));
     block.shadow_strength = float(plan.shadow_strength);
   }
+  pack_backdrop(plan, camera, scene, block);
   block.eye_world = glm::vec4(view.eye, view.orthographic ? 0 : 1);
   block.towards_viewer_world = glm::vec4(glm::transpose(glm::mat3(view.view_from_world))[2], 0);
 

@@ -69,12 +69,10 @@ gpu::GroundBlock pack_ground(const PreparedGround& ground, const GroundRectangle
 // `occluder`: in place of the mesh's own triangles, where nothing but their place counts; may be null.
 void cast(gl::Context& context, gl::ProgramCache& programs, const GpuScene& scene, const Draw& draw,
           const GpuOccluder* occluder, GLsizei lights) {
-  constexpr gl::FeatureSet kOpacity = gl::kFeatureAlphaMask | gl::kFeatureAlphaBlend;
-  const bool opaque = (draw.features & kOpacity) == 0;
-  const gl::FeatureSet features = opaque ? 0 : draw.features & (kOpacity | gl::kFeatureMaterialMaps);
+  const gl::FeatureSet features = caster_features(draw);
   glUseProgram(programs.request(context, {"ground/cast.vert", "ground/cast.frag", features}));
   bind_draw(scene, draw);
-  if (!opaque || occluder == nullptr) return draw_mesh(draw, GL_NONE, lights);
+  if (features != 0 || occluder == nullptr) return draw_mesh(draw, GL_NONE, lights);
   draw_occluder(draw, *occluder, lights);
 }
 

@@ -60,7 +60,8 @@ GLuint screen_program(const PassContext& pass, const char* fragment, bool compos
     features |= gl::kFeatureVeil;
     bind_texels(pass.context, pass.residency, 1, pass.targets.veil->color);
   }
-  const bool sky = composes && pass.scene.background != nullptr;
+  const bool backed = composes && !pass.emission && !pass.is_backdrop;
+  const bool sky = backed && pass.scene.background != nullptr;
   if (sky) {
     features |= gl::kFeatureSky;
     if (pass.plan.projection) {
@@ -70,7 +71,7 @@ GLuint screen_program(const PassContext& pass, const char* fragment, bool compos
     }
     bind_sky(pass, *pass.scene.background);
   }
-  if (composes && pass.scene.ground_shadow != nullptr) {
+  if (backed && pass.scene.ground_shadow != nullptr) {
     features |= gl::kFeatureGroundShadow;
     bind_ground(pass);
   }
@@ -80,39 +81,90 @@ GLuint screen_program(const PassContext& pass, const char* fragment, bool compos
     glProgramUniform1f(program, kExposureLocation, float(pass.plan.exposure));
   if (!sky) {
     std::array<glm::vec4, 2> ends{};
-    if (composes)
+    if (backed)
       ends = {background_at(pass, pass.tile.y), background_at(pass, pass.tile.y + pass.tile.size.height)};
     glProgramUniform4fv(program, kBackgroundLocation, 2, &ends[0].x);
   }
   return program;
 }
 
+bool emission_glows(const PassContext& pass) {
+  return pass.plan.bloom && pass.plan.bloom->source == BloomSource::kEmission;
+}
+
+void set_bloom(GLuint program, const PlannedBloom& bloom) {
+  constexpr GLint kBloomLocation = 8;
+  glProgramUniform2f(program, kBloomLocation, bloom.intensity, bloom.threshold);
+}
+
+// What screen/resolve.frag reads of the bloom.
+void bind_bloom(const PassContext& pass, GLuint program) {
+  constexpr GLuint kGlowUnit = 2, kEmissionUnit = 3;
+  constexpr GLint kPictureLocation = 9;
+  constexpr SamplerDesc kGlowSampler{Wrap::kMirroredRepeat, Wrap::kMirroredRepeat, Filter::kLinear,
+                                     Filter::kLinear, MipFilter::kNone};
+  set_bloom(program, *pass.plan.bloom);
+  const Extent& picture = pass.plan.picture;
+  const glm::vec2 pixel = 1.f / glm::vec2(picture.width, picture.height);
+  glProgramUniform4f(program, kPictureLocation, float(pass.tile.x) * pixel.x, float(pass.tile.y) * pixel.y,
+                     pixel.x, pixel.y);
+  glBindTextureUnit(kGlowUnit, pass.glow->id());
+  glBindSampler(kGlowUnit, pass.residency.samplers().get(pass.context, kGlowSampler));
+  if (emission_glows(pass))
+    bind_texels(pass.context, pass.residency, kEmissionUnit, pass.targets.emission->color);
+}
+
+void resolve_picture(const PassContext& pass, const gl::Texture& frame, bool lone) {
+  const ToneCurve curve = tone_curve(pass.plan);
+  const bool graded = pass.plan.grade || curve > kCurveSceneLinear;
+  gl::FeatureSet features = graded ? gl::FeatureSet(gl::kFeatureGrade) : 0;
+  if (pass.plan.bloom) features |= gl::kFeatureBloom;
+  if (emission_glows(pass)) features |= gl::kFeatureEmission;
+  const GLuint program = screen_program(pass, "screen/resolve.frag", lone, true, features);
+  if (graded) set_grade(program, pass.plan.grade.value_or(PlannedGrade{}));
+  if (pass.plan.bloom) bind_bloom(pass, program);
+  constexpr float kLargestHalf = 65504, kLargestFloat = 3.4e38f;
+  glProgramUniform1ui(program, 1, curve);
+  glProgramUniform1f(program, 2, pass.plan.film_type == SampleType::kFloat16 ? kLargestHalf : kLargestFloat);
+  glUseProgram(program);
+  draw_screen(pass, frame);
+}
+
+// Emission is always accumulated, so it is composed already.
+void resolve_glow(const PassContext& pass, const gl::Texture& frame, bool lone) {
+  const bool emission = emission_glows(pass);
+  const GLuint program = screen_program(pass, "screen/glow.frag", lone && !emission, true, 0);
+  set_bloom(program, *pass.plan.bloom);
+  glUseProgram(program);
+  draw_screen(pass, emission ? pass.targets.emission->color : frame);
+}
+
 }  // namespace
 
-void pass_accumulate(const PassContext& pass, bool first) {
-  if (is_lone(pass.plan)) return;
-  gl::PassState state = tile_state(pass, pass.targets.accumulated->framebuffer, Grid::kPixels);
-  state.blend = first ? gl::Blend::kOff : gl::Blend::kAdd;
+void pass_accumulate(const PassContext& pass, std::size_t subframe) {
+  if (is_lone(pass.plan) && !pass.emission && !pass.is_backdrop) return;
+  const ColorTarget& target = pass.emission ? *pass.targets.emission : *pass.targets.accumulated;
+  gl::PassState state = tile_state(pass, target.framebuffer, Grid::kPixels);
+  state.blend = subframe == 0 ? gl::Blend::kOff : gl::Blend::kAdd;
   gl::begin_pass(pass.context, state);
   const GLuint program = screen_program(pass, "screen/accumulate.frag", true, false, 0);
-  glProgramUniform1f(program, 0, 1.f / float(pass.plan.jitter_px.size()));
+  glProgramUniform1f(program, 0, pass.plan.weights[subframe]);
   glUseProgram(program);
   draw_screen(pass, pass.targets.shading.color);
+}
+
+void pass_backdrop(const PassContext& pass) {
+  const BackdropTarget& backdrop = *pass.targets.backdrop;
+  glCopyImageSubData(pass.targets.accumulated->color.id(), GL_TEXTURE_2D, 0, 0, 0, 0, backdrop.color.id(),
+                     GL_TEXTURE_2D, 0, pass.tile.x, pass.tile.y, 0, pass.tile.size.width,
+                     pass.tile.size.height, 1);
 }
 
 void pass_resolve(const PassContext& pass) {
   gl::begin_pass(pass.context, tile_state(pass, pass.targets.film.framebuffer, Grid::kPixels));
   const bool lone = is_lone(pass.plan);
-  const ToneCurve curve = tone_curve(pass.plan);
-  const bool graded = pass.plan.grade || curve > kCurveSceneLinear;
-  const GLuint program =
-      screen_program(pass, "screen/resolve.frag", lone, true, graded ? gl::FeatureSet{gl::kFeatureGrade} : 0);
-  if (graded) set_grade(program, pass.plan.grade.value_or(PlannedGrade{}));
-  constexpr float kLargestHalf = 65504, kLargestFloat = 3.4e38f;
-  glProgramUniform1ui(program, 1, curve);
-  glProgramUniform1f(program, 2, pass.plan.film_type == SampleType::kFloat16 ? kLargestHalf : kLargestFloat);
-  glUseProgram(program);
-  draw_screen(pass, lone ? pass.targets.shading.color : pass.targets.accumulated->color);
+  const gl::Texture& frame = lone ? pass.targets.shading.color : pass.targets.accumulated->color;
+  pass.plan.glow_only ? resolve_glow(pass, frame, lone) : resolve_picture(pass, frame, lone);
 }
 
 }  // namespace furnace

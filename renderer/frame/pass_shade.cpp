@@ -87,14 +87,12 @@ void select_draws(const PassContext& pass, const Rect& rect, GLuint layer) {
 void shade_layer(const PassContext& pass, const std::vector<Rect>& rects, GLuint layer) {
   gl::PassState state = tile_state(pass, pass.targets.shading.shade, Grid::kPixels);
   state.depth = gl::DepthUse::kSelect;
-  if (layer == 0) {
-    state.clear_color = glm::vec4(0);
-  } else {
-    state.blend = gl::Blend::kAdd;
-  }
+  if (layer == 0) state.clear_color = glm::vec4(0);
+  // The first layer is added too: with one state drivers compile a shader once.
+  state.blend = gl::Blend::kAdd;
   gl::begin_pass(pass.context, state);
   bind_environment(pass);
-  if (pass.sky_sums != nullptr) bind_sky_shadows(pass);
+  bind_backdrop(pass);
   bind_texels(pass.context, pass.residency, kVisibilityUnit, pass.targets.visibility.texels);
   bind_texels(pass.context, pass.residency, kSharesUnit, pass.targets.shading.shares);
   const gl::FeatureSet veil = pass.veiled() ? gl::FeatureSet(gl::kFeatureVeil) : 0;
@@ -103,10 +101,8 @@ void shade_layer(const PassContext& pass, const std::vector<Rect>& rects, GLuint
     if (rects[i].width == 0 || rects[i].height == 0) continue;
     const Draw& draw = pass.scene.deferred[i];
     limit_to(rects[i]);
-    const gl::FeatureSet features = (draw.features & ~gl::FeatureSet(gl::kFeatureAlphaMask)) | veil |
-                                    (pass.sky_sums != nullptr && !(draw.features & gl::kFeatureUnlit)
-                                         ? gl::FeatureSet(gl::kFeatureSkyVisibility)
-                                         : 0);
+    const gl::FeatureSet features =
+        pass.shown(draw.features & ~gl::FeatureSet(gl::kFeatureAlphaMask)) | veil;
     const GLuint program =
         pass.programs.request(pass.context, {"surface/deferred.vert", "surface/deferred.frag", features});
     glProgramUniform1ui(program, kLayerLocation, layer);
@@ -124,7 +120,8 @@ void pass_shade(const PassContext& pass) {
   std::vector<Rect> rects;
   Rect all;
   for (const Draw& draw : pass.scene.deferred) {
-    rects.push_back(covered_pixels(pass, draw));
+    const bool drawn = !pass.is_backdrop || !draw.seen_through();
+    rects.push_back(drawn ? covered_pixels(pass, draw) : Rect{});
     all = joined(all, rects.back());
   }
   find_shares(pass, all);

@@ -5,17 +5,15 @@ namespace {
 
 void draw_casters(const PassContext& pass, const glm::mat4& clip_from_world, const std::vector<Draw>& draws,
                   Casters casters) {
-  constexpr gl::FeatureSet kOpacity = gl::kFeatureAlphaMask | gl::kFeatureAlphaBlend;
   for (const Draw& draw : draws) {
     if (draw.mesh->mode != GL_TRIANGLES) continue;
-    const bool opaque = (draw.features & kOpacity) == 0;
-    const gl::FeatureSet features = opaque ? 0 : draw.features & (kOpacity | gl::kFeatureMaterialMaps);
+    const gl::FeatureSet features = caster_features(draw);
     const GLuint program =
         pass.programs.request(pass.context, {"shadow/depth.vert", "shadow/depth.frag", features});
     glProgramUniformMatrix4fv(program, 0, 1, GL_FALSE, &clip_from_world[0][0]);
     glUseProgram(program);
     bind_draw(pass.scene, draw);
-    if (opaque && casters == Casters::kSimplified) {
+    if (features == 0 && casters == Casters::kSimplified) {
       draw_occluder(draw, *draw.occluder);
     } else {
       draw_mesh(draw, GL_NONE);
@@ -25,11 +23,12 @@ void draw_casters(const PassContext& pass, const glm::mat4& clip_from_world, con
 
 }  // namespace
 
-void pass_shadow(const PassContext& pass, const ShadowTarget& target,
-                 std::span<const glm::mat4> clip_from_world, Casters casters) {
+void pass_shadow(const PassContext& pass, std::span<const glm::mat4> clip_from_world, int first_layer,
+                 Casters casters) {
+  const ShadowTarget& target = *pass.targets.shadows;
   for (std::size_t view = 0; view < clip_from_world.size(); ++view) {
     glNamedFramebufferTextureLayer(target.framebuffer.id(), GL_DEPTH_ATTACHMENT, target.maps.id(), 0,
-                                   GLint(view));
+                                   first_layer + GLint(view));
     gl::PassState state;
     state.framebuffer = target.framebuffer.id();
     state.viewport = {target.side_px, target.side_px};

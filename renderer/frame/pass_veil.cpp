@@ -6,7 +6,7 @@ namespace furnace {
 namespace {
 
 void bind(const PassContext& pass, const Draw& draw) {
-  bind_program(pass, "surface/forward.vert", "surface/forward.frag", draw.features);
+  bind_program(pass, "surface/forward.vert", "surface/forward.frag", pass.shown(draw.features));
   bind_draw(pass.scene, draw);
 }
 
@@ -35,6 +35,8 @@ void pass_veil(const PassContext& pass) {
   gl::begin_pass(pass.context, state);
   bind_environment(pass);
   for (const Draw& draw : pass.scene.blended) {
+    // What is nearer than any glass stands before it, not behind.
+    if (pass.is_backdrop && draw.distance < pass.scene.nearest_glass_m) continue;
     bind(pass, draw);
     if (pass.scene.materials[std::size_t(draw.material)].double_sided && draw.mesh->mode == GL_TRIANGLES) {
       // The far side first: of a closed shape both sides then blend in order.

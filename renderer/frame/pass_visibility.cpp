@@ -13,6 +13,7 @@ void pass_visibility(const PassContext& pass) {
   constexpr std::array<GLuint, 4> kNothing{};
   glClearNamedFramebufferuiv(framebuffer.id(), GL_COLOR, 0, kNothing.data());
   for (const Draw& draw : pass.scene.deferred) {
+    if (pass.is_backdrop && draw.seen_through()) continue;
     const gl::FeatureSet masking = gl::kFeatureAlphaMask | gl::kFeatureMaterialMaps;
     const bool masked = (draw.features & gl::kFeatureAlphaMask) != 0;
     bind_program(pass, "visibility/visibility.vert", "visibility/visibility.frag",

@@ -58,14 +58,15 @@ int sky_views_wanted(const RenderSpec& spec) {
 }
 
 SkyPlan plan_sky(const std::vector<LightDirection>& lights, const Bounds& scene, double least_alpha,
-                 int subframe, int subframes) {
+                 int first_layer, int side_px, int subframe, int subframes) {
   const std::size_t step = std::size_t(subframes), count = lights.size() / step;
   FURNACE_CHECK(count > 0 && count <= gpu::MOST_SKY_VIEWS && count * step == lights.size(),
                 "{} directions for {} sub-frames", lights.size(), subframes);
   SkyPlan plan;
   plan.block = {};
   plan.block.count = gpu::uint(count);
-  plan.block.map_px = kSkyMapPx;
+  plan.block.map_px = float(side_px);
+  plan.block.first_layer = gpu::uint(first_layer);
   plan.block.least_alpha = float(least_alpha);
   const double least = std::max(double(glm::length(scene.max - scene.min)) * 1e-3, 1e-9);
   for (std::size_t i = 0; i < count; ++i) {
@@ -81,10 +82,10 @@ SkyPlan plan_sky(const std::vector<LightDirection>& lights, const Bounds& scene,
     double texel_m = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       Span span = span_along(axes[axis], scene);
-      const double margin = std::max(span.length(), least) * kMarginPx / (kSkyMapPx - 2 * kMarginPx);
+      const double margin = std::max(span.length(), least) * kMarginPx / (side_px - 2 * kMarginPx);
       span = {span.low - margin, span.high + margin};
       rows[axis] = row_of(axes[axis], span);
-      if (axis < 2) texel_m = std::max(texel_m, span.length() / kSkyMapPx);
+      if (axis < 2) texel_m = std::max(texel_m, span.length() / side_px);
     }
     gpu::SkyView& view = plan.block.views[i];
     view.towards = glm::vec4(towards, kLiftTexels * texel_m);

@@ -13,7 +13,7 @@ namespace furnace {
 // Directions of each sub-frame; 0 where the environment's light is not shadowed.
 int sky_views_wanted(const RenderSpec& spec);
 
-inline constexpr int kSkyMapPx = 1024;  // side of each map
+inline constexpr int kSkyMapPx = 1024;  // side of each map, where no lights' maps lie beside them
 
 struct SkyPlan {
   gpu::SkyBlock block;
@@ -21,8 +21,8 @@ struct SkyPlan {
 };
 
 // `lights`: in world space, at most gpu::MOST_SKY_VIEWS for each of `subframes`; `least_alpha`: of their sums; `scene`: bounds
-// of what casts shadows, not empty. Pure. Threads: any.
+// of what casts shadows, not empty; the maps are layers from `first_layer` on. Pure. Threads: any.
 SkyPlan plan_sky(const std::vector<LightDirection>& lights, const Bounds& scene, double least_alpha,
-                 int subframe, int subframes);
+                 int first_layer, int side_px, int subframe, int subframes);
 
 }  // namespace furnace

@@ -6,6 +6,7 @@
 
 #include "renderer/ibl/lanes.hpp"
 #include "renderer/ibl/quadrature.hpp"
+#include "renderer/ibl/sheen_albedo.hpp"
 
 namespace furnace {
 
@@ -147,7 +148,7 @@ DfgTexel integrate_lobe(double cos_v, double roughness, const std::vector<Quadra
   const double normal = sum_of(sums.normal), tangent = sum_of(sums.tangent);
   return {static_cast<float>(total - fresnel), static_cast<float>(fresnel),
           static_cast<float>(std::acos(cos_v) - std::atan2(tangent, normal)),
-          static_cast<float>(std::hypot(normal, tangent) / total)};
+          static_cast<float>(sheen_albedo(cos_v, roughness))};
 }
 
 }  // namespace

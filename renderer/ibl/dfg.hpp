@@ -18,7 +18,7 @@ struct DfgTexel {
   float scale = 0;
   float bias = 0;
   float lean_rad = 0;  // from r towards n
-  float spread = 0;    // length of that first moment / E(1), in [0, 1]: 1 = all in one direction
+  float sheen = 0;     // sheen_albedo()
 };
 
 struct DfgTable {

@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
   for (const furnace::DfgTexel& texel : table.texels) {
     // Hexadecimal: every bit survives.
     std::fprintf(file, "      {%af, %af, %af, %af},\n", double(texel.scale), double(texel.bias),
-                 double(texel.lean_rad), double(texel.spread));
+                 double(texel.lean_rad), double(texel.sheen));
   }
   std::fprintf(file, "  };\n  return kTexels;\n}\n\n}  // namespace furnace\n");
   return std::fclose(file) == 0 ? 0 : 1;

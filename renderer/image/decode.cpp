@@ -111,6 +111,10 @@ std::string_view image_format_name(ImageFormat format) {
   return "unknown";
 }
 
+bool is_texture_format(ImageFormat format) {
+  return format == ImageFormat::kPng || format == ImageFormat::kJpeg || format == ImageFormat::kWebp;
+}
+
 void check_extent(std::string_view format, std::int64_t width, std::int64_t height,
                   const DecodeLimits& limits, Shape shape) {
   if (width < 1 || height < 1) fail_damaged(format, fmt::format("it claims {} x {} pixels", width, height));

@@ -19,6 +19,7 @@ enum class ImageFormat { kUnknown, kPng, kJpeg, kWebp, kExr, kHdr };
 // By magic number, never by name.
 ImageFormat sniff_image_format(std::span<const std::byte> bytes);
 std::string_view image_format_name(ImageFormat format);  // "PNG", ...
+bool is_texture_format(ImageFormat format);              // what decode_texture reads: PNG, JPEG, WebP
 
 // PNG, JPEG (and WebP) for material textures: 8-bit or 16-bit samples, 1..4 channels as stored (palettes
 // expanded, CMYK converted), gamma and EXIF orientation ignored as glTF asks. `color_space` is what the

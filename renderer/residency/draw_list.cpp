@@ -25,6 +25,34 @@ gl::Buffer upload_blocks(gl::Context& context, const std::vector<Block>& blocks,
   return gl::create_buffer(context, bytes.data(), bytes.size());
 }
 
+gl::FeatureSet layer_features(const Material& material) {
+  gl::FeatureSet features = 0;
+  if (material.specular_glossiness) {
+    features |= gl::kFeatureGlossy;
+  } else if (material.ior != 1.5f || material.specular != 1 || material.specular_color != glm::vec3(1) ||
+             material.texture(TextureUse::kSpecular) || material.texture(TextureUse::kSpecularColor)) {
+    features |= gl::kFeatureSpecular;
+  }
+  if (material.model == ShadingModel::kSchlickBeckmann) features |= gl::kFeatureSchlickBeckmann;
+  if (material.model == ShadingModel::kBlinnPhong || material.model == ShadingModel::kPhong)
+    features |= gl::kFeaturePhong;
+  if (material.model == ShadingModel::kPbr) {
+    if (material.anisotropy > 0) features |= gl::kFeatureAnisotropy;
+    if (material.iridescence > 0) features |= gl::kFeatureIridescence;
+  }
+  if (material.clearcoat > 0) {
+    features |= gl::kFeatureClearcoat;
+    if (material.texture(TextureUse::kClearcoatNormal)) features |= gl::kFeatureCoatNormalMap;
+  }
+  if (material.sheen_color != glm::vec3(0)) features |= gl::kFeatureSheen;
+  if (material.diffuse_transmission > 0) features |= gl::kFeatureDiffuseTransmission;
+  if (material.transmission > 0) features |= gl::kFeatureTransmission;
+  const auto first = material.textures.begin() + gpu::kCoreTextures;
+  if (std::any_of(first, material.textures.end(), [](const auto& slot) { return slot.has_value(); }))
+    features |= gl::kFeatureLayerMaps;
+  return features;
+}
+
 // `roughness_map`: of the metallic-roughness slot, or null.
 gl::FeatureSet material_features(const Material& material, const GpuTexture* roughness_map,
                                  double first_level_roughness) {
@@ -42,10 +70,14 @@ gl::FeatureSet material_features(const Material& material, const GpuTexture* rou
   if (material.texture(TextureUse::kEmissive)) features |= gl::kFeatureEmissiveMap;
   if (material.unlit) return features | gl::kFeatureUnlit;
   if (material.texture(TextureUse::kNormal)) features |= gl::kFeatureNormalMap;
-  const float lowest =
-      material.perceptual_roughness * (roughness_map != nullptr ? roughness_map->lowest_green : 1);
+  float lowest = material.perceptual_roughness * (roughness_map != nullptr ? roughness_map->lowest_green : 1);
+  if (material.specular_glossiness) lowest = 1 - material.glossiness;
+  if (material.clearcoat > 0) {
+    const bool mapped = material.texture(TextureUse::kClearcoatRoughness).has_value();
+    lowest = std::min(lowest, mapped ? 0 : material.clearcoat_perceptual_roughness);
+  }
   if (double(lowest) < first_level_roughness) features |= gl::kFeatureSharpReflection;
-  return features;
+  return features | layer_features(material);
 }
 
 // The size of every texture of the material, if they share it and are all read at the same place.
@@ -60,6 +92,9 @@ std::optional<Extent> common_map_size(const Material& material,
   }
   return size;
 }
+
+constexpr gl::FeatureSet kNeedsTangents =
+    gl::kFeatureNormalMap | gl::kFeatureCoatNormalMap | gl::kFeatureAnisotropy;
 
 }  // namespace
 
@@ -80,6 +115,7 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
   }
 
   std::vector<gpu::MaterialBlock> material_blocks;
+  std::vector<gpu::LayerBlock> layer_blocks;
   for (const Material& material : scene.materials) {
     GpuMaterial gpu_material;
     for (std::size_t use = 0; use < kTextureUses; ++use) {
@@ -94,7 +130,9 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
         material_features(material, roughness_map, scene.environment->atlas.level_roughness.front());
     gpu_material.alpha_mode = material.alpha_mode;
     gpu_material.double_sided = material.double_sided;
+    gpu_material.layered = !material.unlit && layer_features(material) != 0;
     material_blocks.push_back(gpu::pack_material(material));
+    layer_blocks.push_back(gpu::pack_layers(material));
     if (const std::optional<Extent> size = common_map_size(material, textures)) {
       gpu_material.features |= gl::kFeatureAlignedMaps;
       material_blocks.back().map_width = float(size->width);
@@ -127,11 +165,14 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
     draw.features = material.features;
     // glTF 2.0, 3.7.2.1: points and lines without normals are not lit.
     if (mesh.mesh->normals.empty()) draw.features |= gl::kFeatureUnlit;
-    if (mesh.mesh->tangents.empty()) draw.features &= ~gl::FeatureSet(gl::kFeatureNormalMap);
+    if (mesh.mesh->tangents.empty()) draw.features &= ~kNeedsTangents;
+    const bool triangles = mesh.mesh->topology == Topology::kTriangles;
+    if (!triangles) draw.features &= ~gl::FeatureSet(gl::kFeatureTransmission);
     if (!scene.lights.empty()) draw.features |= gl::kFeatureLights;
     if (draw.features & gl::kFeatureUnlit) {
-      draw.features &=
-          ~gl::FeatureSet(gl::kFeatureSharpReflection | gl::kFeatureNormalMap | gl::kFeatureLights);
+      draw.features &= gl::kFeatureAlphaMask | gl::kFeatureAlphaBlend | gl::kFeatureUnlit |
+                       gl::kFeatureMaterialMaps | gl::kFeaturePackedOcclusion | gl::kFeatureAlignedMaps |
+                       gl::kFeatureEmissiveMap;
     }
     if (!mesh.mesh->colors.empty()) draw.features |= gl::kFeatureVertexColor;
     draw.key = std::uint32_t(draw_blocks.size() + 1);
@@ -139,10 +180,12 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
     draw.mirrored = draw_blocks.back().handedness < 0;
     const glm::vec3 centre = (mesh.mesh->bounds.min + mesh.mesh->bounds.max) * 0.5f;
     draw.distance = glm::distance(view.eye, glm::vec3(instance.world_from_model * glm::vec4(centre, 1)));
-    if (material.alpha_mode == AlphaMode::kBlend) {
+    if (draw.seen_through())
+      out.nearest_glass_m = std::min(out.nearest_glass_m.value_or(draw.distance), draw.distance);
+    if (material.alpha_mode == AlphaMode::kBlend && !draw.seen_through()) {
       out.blended.push_back(draw);
     } else {
-      (mesh.mesh->topology == Topology::kTriangles ? out.deferred : out.strokes).push_back(draw);
+      (triangles ? out.deferred : out.strokes).push_back(draw);
     }
   }
   // Stable: equal distances keep the document's order.
@@ -155,6 +198,8 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
   out.material_stride = aligned(sizeof(gpu::MaterialBlock));
   out.draw_blocks = upload_blocks(context, draw_blocks, out.draw_stride);
   out.material_blocks = upload_blocks(context, material_blocks, out.material_stride);
+  out.layer_stride = aligned(sizeof(gpu::LayerBlock));
+  out.layer_blocks = upload_blocks(context, layer_blocks, out.layer_stride);
   return true;
 }
 

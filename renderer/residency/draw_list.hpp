@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "renderer/gl/feature_set.hpp"
@@ -17,6 +18,7 @@ struct GpuMaterial {
   gl::FeatureSet features = 0;
   AlphaMode alpha_mode = AlphaMode::kOpaque;
   bool double_sided = false;
+  bool layered = false;  // reads a LayerBlock
 };
 
 struct Draw {
@@ -30,17 +32,21 @@ struct Draw {
   float distance = 0;     // m, eye to the centre of the bounds
   std::uint32_t key = 0;  // DrawBlock::key
   glm::mat4 world_from_model{1};
+
+  bool seen_through() const { return (features & gl::kFeatureTransmission) != 0; }
 };
 
 // A scene on the GPU, ready to be drawn; its pointers live as long as the frame.
 // Threads: the context's. Owns: its block buffers.
 struct GpuScene {
-  std::vector<Draw> deferred;  // opaque and masked triangles, nearest first
+  std::vector<Draw> deferred;  // opaque, masked and transmissive triangles, nearest first
   std::vector<Draw> strokes;   // opaque lines and points
   std::vector<Draw> blended;   // farthest first
   std::vector<GpuMaterial> materials;
-  gl::Buffer draw_blocks, material_blocks;
-  GLintptr draw_stride = 0, material_stride = 0;
+  gl::Buffer draw_blocks, material_blocks, layer_blocks;
+  GLintptr draw_stride = 0, material_stride = 0, layer_stride = 0;
+  std::optional<float>
+      nearest_glass_m;  // Draw::distance of the nearest surface that is seen through, if there is one
   const GpuEnvironment* environment = nullptr;
   const GpuTexture* sky = nullptr;         // the environment itself
   const GpuTexture* background = nullptr;  // what is seen of an environment; null for another background

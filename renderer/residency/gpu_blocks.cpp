@@ -13,6 +13,17 @@ void pack_uv_rows(const UvTransform& t, vec4* rows) {
   rows[1] = vec4(-s * t.scale.x, c * t.scale.y, t.offset.y, 0);
 }
 
+// What is not seen through. Where a texture says how much that is, all of it.
+float shadow_opacity(const Material& material) {
+  if (material.texture(TextureUse::kTransmission)) return 1;
+  constexpr float kBothSides = 0.92f;  // a pane of index of refraction 1.5 reflects the rest
+  const glm::vec3 color =
+      glm::vec3(material.base_color) *
+      glm::pow(material.attenuation_color, glm::vec3(material.thickness_m / material.attenuation_distance_m));
+  const float seen = glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f));
+  return 1 - kBothSides * material.transmission * (1 - material.metallic) * seen;
+}
+
 // Of as many uses from `first` on as there are rows for. Returns the bits of those that read UV set 1.
 template <std::size_t N>
 uint pack_uv(const Material& material, std::size_t first, vec4 (&rows)[N]) {
@@ -38,6 +49,7 @@ MaterialBlock pack_material(const Material& material) {
   block.occlusion_strength = material.occlusion_strength;
   block.alpha_cutoff = material.alpha_cutoff;
   block.double_sided = material.double_sided ? 1 : 0;
+  block.shadow_opacity = shadow_opacity(material);
   block.uv_sets = pack_uv(material, 0, block.uv_rows);
   return block;
 }

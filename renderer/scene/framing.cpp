@@ -174,16 +174,34 @@ View view_of(const OrbitCamera& orbit, const Scene& scene, double aspect) {
                             : orbit_perspective(orbit, axes, scene, aspect);
 }
 
+// A near plane for an explicit camera: it scales with the scene.
+double near_plane_from(const glm::dvec3& eye, const glm::dmat3& axes, const Scene& scene) {
+  const Support box = support_of(scene, axes, {0, 0});
+  const double eye_z = glm::dot(axes[2], eye);
+  return near_plane(eye_z - box.z_max, std::max(eye_z - box.z_min, box.size()));
+}
+
+// Hartley and Zisserman 2004, "Multiple View Geometry in Computer Vision", 6.1: u = cx + fx x / z, in clip space.
+View view_of(const IntrinsicsCamera& camera, const Scene& scene, double aspect) {
+  const glm::dmat3 axes(glm::mat3_cast(glm::dquat(camera.rotation)));
+  const glm::dvec3 eye(camera.translation);
+  const double height = camera.picture_px.y, width = height * aspect;
+  const double middle_x = camera.principal_px.x + (width - camera.picture_px.x) / 2;
+  glm::dmat4 clip(perspective_reversed(1, aspect, near_plane_from(eye, axes, scene), kInfinity));
+  clip[0][0] = 2 * camera.focal_px.x / width;
+  clip[1][1] = 2 * camera.focal_px.y / height;
+  clip[2][0] = 1 - 2 * middle_x / width;
+  clip[2][1] = 2 * camera.principal_px.y / height - 1;
+  return {view_from_axes(axes, eye), glm::mat4(clip), glm::vec3(eye), false};
+}
+
 View view_of(const LookAtCamera& camera, const Scene& scene, double aspect) {
   if (camera.eye == camera.target)
     fail(ErrorCode::kUnprocessable, "eye and target are the same point: move one of them",
          "/camera/lookAt/target");
   const glm::mat4 view = look_at(camera.eye, camera.target, camera.up);
   const glm::dmat3 axes(glm::transpose(glm::mat3(view)));
-  const Support box = support_of(scene, axes, {0, 0});
-  const double eye_z = glm::dot(axes[2], glm::dvec3(camera.eye));
-  const double farthest = std::max(eye_z - box.z_min, box.size());
-  const double z_near = near_plane(eye_z - box.z_max, farthest);
+  const double z_near = near_plane_from(glm::dvec3(camera.eye), axes, scene);
   return {view, perspective_reversed(camera.fov_y_rad, aspect, z_near, kInfinity), camera.eye, false};
 }
 
@@ -234,10 +252,52 @@ View view_of(const GltfCamera& spec, const Scene& scene, double aspect) {
           glm::vec3(eye), camera.orthographic};
 }
 
+// Along the viewing direction.
+double focus_distance(const DepthOfField& spec, const View& view, const Scene& scene) {
+  if (spec.focus_distance_m) return *spec.focus_distance_m;
+  const glm::dmat3 axes(glm::transpose(glm::mat3(view.view_from_world)));
+  const double eye_z = glm::dot(axes[2], glm::dvec3(view.eye));
+  if (spec.focus_point) {
+    const double distance_m = eye_z - glm::dot(axes[2], glm::dvec3(*spec.focus_point));
+    if (distance_m > 0) return distance_m;
+    fail(ErrorCode::kUnprocessable, "lies behind the camera: nothing can be focused there",
+         "/camera/depthOfField/focusPoint");
+  }
+  const Support box = support_of(scene, axes, {0, 0});
+  const double distance_m = eye_z - (box.z_min + box.z_max) / 2;
+  if (distance_m > 0) return distance_m;
+  fail(ErrorCode::kUnprocessable,
+       "the middle of the scene lies behind the camera: give focusDistanceMetres or focusPoint",
+       "/camera/depthOfField");
+}
+
+Lens lens_of(const DepthOfField& spec, const View& view, const Scene& scene) {
+  if (view.orthographic)
+    fail(ErrorCode::kUnprocessable, "an orthographic camera has no lens: leave it out, or the projection",
+         "/camera/depthOfField");
+  return make_lens(spec, 1 / double(view.clip_from_view[1][1]), focus_distance(spec, view, scene));
+}
+
 }  // namespace
 
 View make_view(const CameraSpec& camera, const Scene& scene, Extent picture) {
-  return std::visit([&](const auto& view) { return view_of(view, scene, aspect_of(picture)); }, camera.view);
+  View view =
+      std::visit([&](const auto& kind) { return view_of(kind, scene, aspect_of(picture)); }, camera.view);
+  if (camera.depth_of_field) view.lens = lens_of(*camera.depth_of_field, view, scene);
+  return view;
+}
+
+View through_lens(const View& view, glm::dvec2 place_m) {
+  View moved = view;
+  const glm::dmat3 axes(glm::transpose(glm::mat3(view.view_from_world)));
+  const glm::dvec3 eye = glm::dvec3(view.eye) + axes[0] * place_m.x + axes[1] * place_m.y;
+  glm::dmat4 sheared_from_view(1);
+  sheared_from_view[2][0] = -place_m.x / view.lens.focus_m;
+  sheared_from_view[2][1] = -place_m.y / view.lens.focus_m;
+  moved.view_from_world = view_from_axes(axes, eye);
+  moved.clip_from_view = glm::mat4(glm::dmat4(view.clip_from_view) * sheared_from_view);
+  moved.eye = glm::vec3(eye);
+  return moved;
 }
 
 }  // namespace furnace

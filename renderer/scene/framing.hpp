@@ -1,6 +1,7 @@
 // A camera for a scene: explicit, from the file, or framed on the exact bounds.
 #pragma once
 
+#include "renderer/scene/lens.hpp"
 #include "renderer/scene/render_spec.hpp"
 #include "renderer/scene/scene.hpp"
 
@@ -12,6 +13,7 @@ struct View {
   glm::mat4 clip_from_view{1};  // reversed depth, see transform.hpp
   glm::vec3 eye{0};             // m, world
   bool orthographic = false;
+  Lens lens = {};
 };
 
 // Orbit: the nearest eye from which every vertex of the scene (not of its box or sphere) lies in the frame
@@ -21,7 +23,11 @@ struct View {
 // (xmag) instead, so that the author's frame is always seen whole. The file's near and far planes hold; node
 // scale does not count (glTF 2.0, section 3.10.2). Otherwise the near plane scales with the scene and the far
 // plane lies at infinity. Errors: kUnprocessable with a pointer under "/camera" (no such glTF camera, eye =
-// target, a vertex that is infinite or not a number).
+// target, a vertex that is infinite or not a number, a lens that cannot be).
 View make_view(const CameraSpec& camera, const Scene& scene, Extent picture);
+
+// What is seen from a place of the lens (m right and up of its middle): the eye moves there, and the frustum is sheared so that
+// the plane of focus stays where it is.
+View through_lens(const View& view, glm::dvec2 place_m);
 
 }  // namespace furnace

@@ -54,6 +54,7 @@ void check_required_extensions(const JsonObject& root) {
 
 GltfCounts count_objects(const JsonObject& root) {
   const auto lights = root.extension("KHR_lights_punctual");
+  const auto variants = root.extension("KHR_materials_variants");
   return {root.size_of("buffers"),
           root.size_of("bufferViews"),
           root.size_of("accessors"),
@@ -66,7 +67,8 @@ GltfCounts count_objects(const JsonObject& root) {
           root.size_of("cameras"),
           root.size_of("nodes"),
           root.size_of("scenes"),
-          lights ? lights->size_of("lights") : 0};
+          lights ? lights->size_of("lights") : 0,
+          variants ? variants->size_of("variants") : 0};
 }
 
 template <class T, class Read>
@@ -181,6 +183,9 @@ GltfDocument read_gltf_document(const Blob& bytes, const ImportLimits& limits) {
       root, "textures", [&](const JsonObject& object) { return read_texture(object, counts, samplers); });
   document.materials = read_all<GltfMaterial>(
       root, "materials", [&](const JsonObject& object) { return read_material(object, counts); });
+  if (const auto variants = root.extension("KHR_materials_variants"))
+    document.variants = read_all<std::string>(
+        *variants, "variants", [](const JsonObject& object) { return object.required_string("name"); });
 
   document.meshes =
       read_all<GltfMesh>(root, "meshes", [&](const JsonObject& object) { return read_mesh(object, counts); });

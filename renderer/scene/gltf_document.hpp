@@ -89,9 +89,11 @@ struct GltfTextureRef {
 };
 
 struct GltfMaterial {
-  Material values;  // without textures
-  std::optional<GltfTextureRef> base_color, metallic_roughness, normal, occlusion, emissive;
+  Material values;                                                   // without textures
+  std::array<std::optional<GltfTextureRef>, kTextureUses> textures;  // by TextureUse
   std::vector<Note> notes;
+
+  std::optional<GltfTextureRef>& texture(TextureUse use) { return textures[std::size_t(use)]; }
 };
 
 using GltfAttributes = std::map<std::string, int>;  // semantic -> accessor
@@ -100,6 +102,7 @@ struct GltfPrimitive {
   GltfAttributes attributes;
   std::optional<int> indices;
   std::optional<int> material;
+  std::map<int, int> variant_materials;  // KHR_materials_variants: variant -> material
   int mode = 4;
   std::vector<GltfAttributes> targets;
 };
@@ -140,6 +143,7 @@ struct GltfDocument {
   std::vector<GltfImage> images;
   std::vector<GltfTexture> textures;
   std::vector<GltfMaterial> materials;
+  std::vector<std::string> variants;  // names
   std::vector<GltfMesh> meshes;
   std::vector<GltfSkin> skins;
   std::vector<CameraNode> cameras;  // world_from_view is the node's to fill in

@@ -19,12 +19,24 @@ namespace furnace {
 
 namespace {
 
-constexpr std::array<std::string_view, 5> kSupportedExtensions{
-    "KHR_lights_punctual",              // gltf_read_scene.cpp
-    "KHR_materials_emissive_strength",  // gltf_read_material.cpp
-    "KHR_materials_unlit",              // gltf_read_material.cpp
-    "KHR_mesh_quantization",            // gltf_primitive.cpp
-    "KHR_texture_transform",            // gltf_read_material.cpp
+constexpr std::array<std::string_view, 17> kSupportedExtensions{
+    "KHR_lights_punctual",                  // gltf_read_scene.cpp
+    "KHR_materials_anisotropy",             // gltf_read_layers.cpp
+    "KHR_materials_clearcoat",              // gltf_read_layers.cpp
+    "KHR_materials_diffuse_transmission",   // gltf_read_layers.cpp
+    "KHR_materials_dispersion",             // gltf_read_layers.cpp
+    "KHR_materials_emissive_strength",      // gltf_read_material.cpp
+    "KHR_materials_ior",                    // gltf_read_layers.cpp
+    "KHR_materials_iridescence",            // gltf_read_layers.cpp
+    "KHR_materials_pbrSpecularGlossiness",  // gltf_read_layers.cpp
+    "KHR_materials_sheen",                  // gltf_read_layers.cpp
+    "KHR_materials_specular",               // gltf_read_layers.cpp
+    "KHR_materials_transmission",           // gltf_read_layers.cpp
+    "KHR_materials_unlit",                  // gltf_read_material.cpp
+    "KHR_materials_variants",               // gltf_read_scene.cpp
+    "KHR_materials_volume",                 // gltf_read_layers.cpp
+    "KHR_mesh_quantization",                // gltf_primitive.cpp
+    "KHR_texture_transform",                // gltf_read_material.cpp
 };
 
 bool is_supported(std::string_view extension) {
@@ -74,6 +86,8 @@ class Importer {
   std::vector<int> root_nodes(int wanted_scene) const;
   std::vector<int> nodes_in_order(const std::vector<int>& roots) const;
   void note_ignored_extensions();
+  void choose_variant(const std::optional<std::string>& name);
+  std::optional<int> material_of(const GltfPrimitive& primitive) const;
   void add_cameras(const std::vector<int>& nodes);
   void add_lights(const std::vector<int>& nodes);
   void add_mesh(int node_index);
@@ -95,11 +109,13 @@ class Importer {
   std::vector<glm::dmat4> world_from_node_;
   std::map<int, std::vector<glm::dmat4>> skins_;                // joint matrices, by skin
   std::map<GltfPrimitiveRef, std::optional<Instance>> shared_;  // meshes as they are for every plain node
+  std::optional<int> variant_;                                  // index into document_.variants
   std::int64_t vertices_ = 0, mesh_bytes_ = 0, elements_drawn_ = 0;
 };
 
 Scene Importer::import(const ModelBundle& bundle, const ImportOptions& options) {
   note_ignored_extensions();
+  choose_variant(options.variant);
   world_from_node_ = world_transforms(document_, notes_);
   const std::vector<int> nodes = nodes_in_order(root_nodes(options.scene));
   for (const int node : nodes) {
@@ -108,7 +124,11 @@ Scene Importer::import(const ModelBundle& bundle, const ImportOptions& options) 
   add_cameras(nodes);
   add_lights(nodes);
   if (scene_.materials.empty()) scene_.materials.push_back(default_material());
-  scene_.hash = HashBuilder().add(bundle.hash).add(std::int64_t{options.scene}).finish();
+  scene_.variants = document_.variants;
+  HashBuilder hash;
+  hash.add(bundle.hash).add(std::int64_t{options.scene});
+  if (variant_) hash.add("variant").add(std::int64_t{*variant_});
+  scene_.hash = hash.finish();
   scene_.notes = notes_.take();
   return std::move(scene_);
 }
@@ -120,6 +140,20 @@ void Importer::note_ignored_extensions() {
     notes_.add("extension-ignored", "/extensionsUsed/" + std::to_string(i),
                shortened(name) + " is not supported and was ignored");
   }
+}
+
+void Importer::choose_variant(const std::optional<std::string>& name) {
+  if (!name) return;
+  const std::vector<std::string>& known = document_.variants;
+  const auto found = std::find(known.begin(), known.end(), *name);
+  if (found != known.end()) variant_ = static_cast<int>(found - known.begin());
+}
+
+// KHR_materials_variants: a primitive that the variant does not name keeps its own material.
+std::optional<int> Importer::material_of(const GltfPrimitive& primitive) const {
+  if (!variant_) return primitive.material;
+  const auto mapped = primitive.variant_materials.find(*variant_);
+  return mapped == primitive.variant_materials.end() ? primitive.material : mapped->second;
 }
 
 std::vector<int> Importer::root_nodes(int wanted_scene) const {
@@ -244,7 +278,7 @@ std::optional<Instance> Importer::import_primitive(const GltfPrimitiveRef& ref,
   if (joints) apply_skin(vertices, *joints, ref.pointer() + "/attributes", notes_);
 
   Instance instance;
-  instance.material = materials_.scene_material(primitive_of(document_, ref).material);
+  instance.material = materials_.scene_material(material_of(primitive_of(document_, ref)));
   complete_surface(vertices.mesh, scene_.materials[static_cast<std::size_t>(instance.material)],
                    ref.pointer(), notes_);
   count_mesh(vertices.mesh, ref);

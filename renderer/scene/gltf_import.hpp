@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +36,8 @@ struct ImportLimits {
 
 struct ImportOptions {
   int scene = -1;  // index of the glTF scene; -1: the document's default, else the first, else all root nodes
+  std::optional<std::string>
+      variant;  // name; none, or one that Scene::variants does not list: the default materials
 };
 
 // The external URIs (not data: ones) of buffers and images, percent-decoded, each once, in document order.

@@ -7,14 +7,6 @@
 
 namespace furnace {
 
-namespace {
-
-bool is_texture_format(ImageFormat format) {
-  return format == ImageFormat::kPng || format == ImageFormat::kJpeg || format == ImageFormat::kWebp;
-}
-
-}  // namespace
-
 int GltfMaterials::scene_material(std::optional<int> material) {
   const int key = material.value_or(-1);
   const auto known = materials_.find(key);
@@ -29,11 +21,7 @@ int GltfMaterials::scene_material(std::optional<int> material) {
 Material GltfMaterials::convert(const GltfMaterial& material) {
   for (const Note& note : material.notes) notes_.add(note.code, note.pointer, note.message);
   Material result = material.values;
-  result.texture(TextureUse::kBaseColor) = convert(material.base_color);
-  result.texture(TextureUse::kMetallicRoughness) = convert(material.metallic_roughness);
-  result.texture(TextureUse::kNormal) = convert(material.normal);
-  result.texture(TextureUse::kOcclusion) = convert(material.occlusion);
-  result.texture(TextureUse::kEmissive) = convert(material.emissive);
+  for (std::size_t use = 0; use < kTextureUses; ++use) result.textures[use] = convert(material.textures[use]);
   return result;
 }
 

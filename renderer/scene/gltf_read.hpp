@@ -10,7 +10,7 @@ namespace furnace {
 // Lengths of the document's arrays, known before any of them is read: what an index is checked against.
 struct GltfCounts {
   int buffers, buffer_views, accessors, images, samplers, textures, materials, meshes, skins, cameras, nodes,
-      scenes, lights;
+      scenes, lights, variants;
 };
 
 // gltf_read_data.cpp

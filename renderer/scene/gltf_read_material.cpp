@@ -5,7 +5,7 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
-#include "renderer/scene/gltf_read.hpp"
+#include "renderer/scene/gltf_factors.hpp"
 
 namespace furnace {
 
@@ -29,43 +29,6 @@ Wrap read_wrap(const JsonObject& json, std::string_view key) {
   }
 }
 
-// A material's numbers, kept in range.
-class Factors {
- public:
-  Factors(const JsonObject& json, std::vector<Note>& notes) : json_(json), notes_(notes) {}
-
-  float number(std::string_view key, double fallback, double low, double high) {
-    return in_range(key, json_.number(key, fallback), low, high);
-  }
-  template <int N>
-  glm::vec<N, float> vector(std::string_view key, glm::vec<N, float> fallback) {
-    const auto values = json_.vector<N>(key);
-    if (!values) return fallback;
-    for (int i = 0; i < N; ++i) fallback[i] = in_range(key, (*values)[static_cast<std::size_t>(i)], 0, 1);
-    return fallback;
-  }
-
- private:
-  float in_range(std::string_view key, double value, double low, double high) {
-    const double clamped = std::clamp(value, low, high);
-    if (clamped != value) {
-      notes_.push_back(
-          {"value-clamped", json_.pointer_to(key), "is out of range and was brought back into it"});
-    }
-    return static_cast<float>(clamped);
-  }
-
-  const JsonObject& json_;
-  std::vector<Note>& notes_;
-};
-
-constexpr double kFloatMax = 1e30;  // leaves room for products in single precision
-
-float bounded(const JsonObject& json, std::string_view key, double value) {
-  if (std::abs(value) > kFloatMax) json.refuse(key, "is too large");
-  return static_cast<float>(value);
-}
-
 glm::vec2 read_vec2(const JsonObject& json, std::string_view key, glm::vec2 fallback) {
   const auto values = json.vector<2>(key);
   if (!values) return fallback;
@@ -76,6 +39,26 @@ int read_uv_set(const JsonObject& json, int fallback) {
   return static_cast<int>(
       std::min<std::uint64_t>(json.integer("texCoord", static_cast<std::uint64_t>(fallback)), 99));
 }
+
+AlphaMode read_alpha_mode(const JsonObject& json) {
+  const std::string mode = json.string("alphaMode", "OPAQUE");
+  if (mode == "OPAQUE") return AlphaMode::kOpaque;
+  if (mode == "MASK") return AlphaMode::kMask;
+  if (mode == "BLEND") return AlphaMode::kBlend;
+  json.refuse("alphaMode", "must be OPAQUE, MASK or BLEND");
+}
+
+void read_metallic_roughness(const JsonObject& json, const GltfCounts& counts, GltfMaterial& material) {
+  Factors factors(json, material.notes);
+  material.values.base_color = factors.vector<4>("baseColorFactor", material.values.base_color);
+  material.values.metallic = factors.number("metallicFactor", 1, 0, 1);
+  material.values.perceptual_roughness = factors.number("roughnessFactor", 1, 0, 1);
+  material.texture(TextureUse::kBaseColor) = read_texture_ref(json, "baseColorTexture", counts);
+  material.texture(TextureUse::kMetallicRoughness) =
+      read_texture_ref(json, "metallicRoughnessTexture", counts);
+}
+
+}  // namespace
 
 std::optional<GltfTextureRef> read_texture_ref(const JsonObject& owner, std::string_view key,
                                                const GltfCounts& counts) {
@@ -93,25 +76,6 @@ std::optional<GltfTextureRef> read_texture_ref(const JsonObject& owner, std::str
   }
   return ref;
 }
-
-AlphaMode read_alpha_mode(const JsonObject& json) {
-  const std::string mode = json.string("alphaMode", "OPAQUE");
-  if (mode == "OPAQUE") return AlphaMode::kOpaque;
-  if (mode == "MASK") return AlphaMode::kMask;
-  if (mode == "BLEND") return AlphaMode::kBlend;
-  json.refuse("alphaMode", "must be OPAQUE, MASK or BLEND");
-}
-
-void read_metallic_roughness(const JsonObject& json, const GltfCounts& counts, GltfMaterial& material) {
-  Factors factors(json, material.notes);
-  material.values.base_color = factors.vector<4>("baseColorFactor", material.values.base_color);
-  material.values.metallic = factors.number("metallicFactor", 1, 0, 1);
-  material.values.perceptual_roughness = factors.number("roughnessFactor", 1, 0, 1);
-  material.base_color = read_texture_ref(json, "baseColorTexture", counts);
-  material.metallic_roughness = read_texture_ref(json, "metallicRoughnessTexture", counts);
-}
-
-}  // namespace
 
 GltfImage read_image(const JsonObject& json, const GltfCounts& counts) {
   GltfImage image;
@@ -182,15 +146,15 @@ GltfMaterial read_material(const JsonObject& json, const GltfCounts& counts) {
   values.name = json.string("name");
   if (const auto pbr = json.object("pbrMetallicRoughness")) read_metallic_roughness(*pbr, counts, material);
 
-  material.normal = read_texture_ref(json, "normalTexture", counts);
+  material.texture(TextureUse::kNormal) = read_texture_ref(json, "normalTexture", counts);
   if (const auto normal = json.object("normalTexture")) {
     values.normal_scale = bounded(*normal, "scale", normal->number("scale", 1));
   }
-  material.occlusion = read_texture_ref(json, "occlusionTexture", counts);
+  material.texture(TextureUse::kOcclusion) = read_texture_ref(json, "occlusionTexture", counts);
   if (const auto occlusion = json.object("occlusionTexture")) {
     values.occlusion_strength = Factors(*occlusion, material.notes).number("strength", 1, 0, 1);
   }
-  material.emissive = read_texture_ref(json, "emissiveTexture", counts);
+  material.texture(TextureUse::kEmissive) = read_texture_ref(json, "emissiveTexture", counts);
   Factors factors(json, material.notes);
   values.emissive = factors.vector<3>("emissiveFactor", values.emissive);
   values.alpha_mode = read_alpha_mode(json);
@@ -201,6 +165,7 @@ GltfMaterial read_material(const JsonObject& json, const GltfCounts& counts) {
   if (const auto strength = json.extension("KHR_materials_emissive_strength")) {
     values.emissive_strength = Factors(*strength, material.notes).number("emissiveStrength", 1, 0, kFloatMax);
   }
+  read_material_layers(json, counts, material);
   return material;
 }
 

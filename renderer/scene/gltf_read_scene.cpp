@@ -21,11 +21,24 @@ GltfAttributes read_attributes(const JsonObject& json, const GltfCounts& counts)
   return attributes;
 }
 
+std::map<int, int> read_variant_materials(const JsonObject& primitive, const GltfCounts& counts) {
+  std::map<int, int> materials;
+  const auto json = primitive.extension("KHR_materials_variants");
+  if (!json) return materials;
+  json->each("mappings", [&](const JsonObject& mapping) {
+    const int material = mapping.required_reference("material", "material", counts.materials);
+    for (const int variant : mapping.references("variants", "variant", counts.variants))
+      materials.emplace(variant, material);
+  });
+  return materials;
+}
+
 GltfPrimitive read_primitive(const JsonObject& json, const GltfCounts& counts) {
   GltfPrimitive primitive;
   primitive.attributes = read_attributes(json.required_object("attributes"), counts);
   primitive.indices = json.reference("indices", "accessor", counts.accessors);
   primitive.material = json.reference("material", "material", counts.materials);
+  primitive.variant_materials = read_variant_materials(json, counts);
   const std::uint64_t mode = json.integer("mode", 4);
   if (mode > 6) json.refuse("mode", "must be 0 to 6");
   primitive.mode = static_cast<int>(mode);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "renderer/base/error.hpp"
+#include "renderer/scene/mesh_needs.hpp"
 #include "renderer/scene/tangents.hpp"
 
 namespace furnace {
@@ -109,24 +110,16 @@ void complete_normals(Mesh& mesh, const std::string& pointer, GltfNotes& notes) 
 }
 
 void complete_uv_sets(Mesh& mesh, const Material& material, const std::string& pointer, GltfNotes& notes) {
-  for (const auto& slot : material.textures) {
-    if (!slot) continue;
-    const auto set = static_cast<std::size_t>(slot->uv_set);
-    if (!mesh.uvs[set].empty()) continue;
-    mesh.uvs[set].assign(mesh.positions.size(), glm::vec2(0));
+  for (const int set : fill_uv_sets(mesh, material)) {
     notes.add("uv-set-missing", pointer + "/attributes",
-              "has no TEXCOORD_" + std::to_string(set) + ", which its material samples; (0, 0) was used");
+              "has no TEXCOORD_" + std::to_string(set) + ", which its material needs; (0, 0) was used");
   }
 }
 
 void complete_tangents(Mesh& mesh, const Material& material, const std::string& pointer, GltfNotes& notes) {
-  if (!mesh.tangents.empty()) mend_tangents(mesh, pointer, notes);
-  if (!material.texture(TextureUse::kNormal) || !mesh.tangents.empty() ||
-      mesh.topology != Topology::kTriangles)
-    return;
-  generate_tangents(mesh, material.texture(TextureUse::kNormal)->uv_set);
-  notes.add("tangents-generated", pointer + "/attributes",
-            "has a normal map but no TANGENT; MikkTSpace tangents were made");
+  if (make_tangents(mesh, material))
+    notes.add("tangents-generated", pointer + "/attributes",
+              "has no TANGENT, which its material needs; MikkTSpace tangents were made");
 }
 
 void find_bounds(Mesh& mesh, const std::string& pointer) {
@@ -144,8 +137,9 @@ void find_bounds(Mesh& mesh, const std::string& pointer) {
 void complete_surface(Mesh& mesh, const Material& material, const std::string& pointer, GltfNotes& notes) {
   drop_unused_vertices(mesh);
   find_bounds(mesh, pointer);
-  complete_uv_sets(mesh, material, pointer, notes);
   complete_normals(mesh, pointer, notes);
+  mend_tangents(mesh, pointer, notes);
+  complete_uv_sets(mesh, material, pointer, notes);
   complete_tangents(mesh, material, pointer, notes);
 }
 

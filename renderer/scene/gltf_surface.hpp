@@ -1,6 +1,5 @@
 // Makes a decoded mesh fit to be shaded: no vertices that nothing names (files share one vertex buffer among
-// many primitives), unit normals, tangents where a normal map asks for them, and the UV sets that its
-// material samples.
+// many primitives), unit normals, and the tangents and UV sets that its material needs (mesh_needs.hpp).
 #pragma once
 
 #include <string>

@@ -70,6 +70,8 @@ enum class TextureUse {
   kDiffuseTransmissionColor,  // rgb sRGB
 };
 inline constexpr std::size_t kTextureUses = 19;
+// "baseColor", ...: in requests and in their JSON pointers.
+std::string_view texture_use_name(TextureUse use);
 
 // How light meets the surface; all are driven by the same numbers.
 enum class ShadingModel {
@@ -78,6 +80,8 @@ enum class ShadingModel {
   kBlinnPhong,
   kPhong,
 };
+
+inline constexpr float kLeastAttenuation = 1e-6f;  // black in single precision, with a logarithm
 
 struct Material {
   std::string name;
@@ -123,7 +127,7 @@ struct Material {
   float transmission = 0;  // [0,1]
   float thickness_m = 0;   // in the mesh's own frame; 0: thin-walled, rays are not bent
   float attenuation_distance_m = std::numeric_limits<float>::infinity();  // > 0, world
-  glm::vec3 attenuation_color{1};  // linear, (0,1]: left after that distance
+  glm::vec3 attenuation_color{1};  // linear, [kLeastAttenuation,1]: left after that distance
   float dispersion = 0;            // 20 / Abbe number, >= 0
 
   // KHR_materials_diffuse_transmission
@@ -149,7 +153,7 @@ Material default_material();
 
 // Presets: metals by name with "-rough" (sand-blasted) and "-brushed" variants ("gold", "gold-rough",
 // "steel-brushed"), and families with a colour or kind ("plastic-red", "rubber-black", "wood-oak",
-// "paint-blue"). The table is in material.cpp; names are kebab-case and listed in its order; the material
+// "paint-blue", "velvet-red", "glass-frosted"). The table is in material.cpp; names are kebab-case and listed in its order; the material
 // carries its preset's name.
 std::optional<Material> material_preset(std::string_view name);
 std::vector<std::string_view> material_preset_names();

@@ -16,6 +16,7 @@ class CanonicalHash {
   void add(int value) { builder_.add(std::int64_t{value}); }
   void add(double value) { builder_.add(value); }
   void add(float value) { builder_.add(double{value}); }
+  void add(const glm::vec2& v) { add_all(v.x, v.y); }
   void add(const glm::vec3& v) { add_all(v.x, v.y, v.z); }
   void add(const glm::dvec3& v) { add_all(v.x, v.y, v.z); }
   void add(const glm::vec4& v) { add_all(v.x, v.y, v.z, v.w); }
@@ -37,6 +38,11 @@ class CanonicalHash {
     for (const T& value : values) add(value);
   }
 
+  template <class T, std::size_t kCount>
+  void add(const std::array<T, kCount>& values) {
+    for (const T& value : values) add(value);
+  }
+
   template <class T>
   void add(const std::map<std::string, T>& values) {
     builder_.add(static_cast<std::int64_t>(values.size()));
@@ -54,11 +60,38 @@ class CanonicalHash {
     if (model) add(model->hash);
   }
 
+  void add(const KeepTexture&) {}
+  void add(const NoTexture&) {}
+
+  void add(const SamplerDesc& value) {
+    const auto& [wrap_u, wrap_v, mag, min, mip] = value;
+    add_all(wrap_u, wrap_v, mag, min, mip);
+  }
+
+  void add(const UvTransform& value) {
+    const auto& [offset, rotation_rad, scale] = value;
+    add_all(offset, rotation_rad, scale);
+  }
+
+  void add(const TextureFile& value) {
+    const auto& [encoded, uv_set, sampler, transform] = value;
+    add_all(encoded.hash(), uv_set, sampler, transform);
+  }
+
   void add(const MaterialOverride& value) {
-    const auto& [preset, base_color, metallic, roughness, emissive_strength, normal_scale, occlusion_strength,
-                 alpha_cutoff, emissive, alpha_mode, double_sided, unlit] = value;
-    add_all(preset, base_color, metallic, roughness, emissive_strength, normal_scale, occlusion_strength,
-            alpha_cutoff, emissive, alpha_mode, double_sided, unlit);
+    const auto& [preset, model, base_color, metallic, roughness, emissive_strength, normal_scale,
+                 occlusion_strength, alpha_cutoff, emissive, alpha_mode, double_sided, unlit, ior, specular,
+                 specular_color, clearcoat, clearcoat_roughness, clearcoat_normal_scale, sheen_color,
+                 sheen_roughness, anisotropy, anisotropy_rotation_rad, iridescence, iridescence_ior,
+                 iridescence_min_nm, iridescence_max_nm, transmission, thickness_m, attenuation_distance_m,
+                 dispersion, attenuation_color, diffuse_transmission, diffuse_transmission_color, textures] =
+        value;
+    add_all(preset, model, base_color, metallic, roughness, emissive_strength, normal_scale,
+            occlusion_strength, alpha_cutoff, emissive, alpha_mode, double_sided, unlit, ior, specular,
+            specular_color, clearcoat, clearcoat_roughness, clearcoat_normal_scale, sheen_color,
+            sheen_roughness, anisotropy, anisotropy_rotation_rad, iridescence, iridescence_ior,
+            iridescence_min_nm, iridescence_max_nm, transmission, thickness_m, attenuation_distance_m,
+            dispersion, attenuation_color, diffuse_transmission, diffuse_transmission_color, textures);
   }
 
   void add(const NodeSpec& value) {
@@ -74,8 +107,8 @@ class CanonicalHash {
   }
 
   void add(const SceneSpec& value) {
-    const auto& [model, gltf_scene, nodes, materials, lights, model_lights] = value;
-    add_all(model, gltf_scene, nodes, materials, lights, model_lights);
+    const auto& [model, gltf_scene, variant, nodes, materials, shading_model, lights, model_lights] = value;
+    add_all(model, gltf_scene, variant, nodes, materials, shading_model, lights, model_lights);
   }
 
   void add(const BuiltinName& value) {
@@ -169,6 +202,12 @@ class CanonicalHash {
     add_all(eye, target, up, fov_y_rad);
   }
 
+  void add(const IntrinsicsCamera& value) {
+    const auto& [focal_px, principal_px, picture_px, translation, rotation] = value;
+    add_all(focal_px.x, focal_px.y, principal_px.x, principal_px.y, picture_px.x, picture_px.y, translation,
+            rotation);
+  }
+
   void add(const GltfCamera& value) {
     const auto& [which] = value;
     add(which);
@@ -183,9 +222,16 @@ class CanonicalHash {
 
   void add(const AutoExposure&) {}
 
+  void add(const DepthOfField& value) {
+    const auto& [f_stop, sensor_height_m, aperture_diameter_m, focus_distance_m, focus_point, blades,
+                 blade_rotation_rad] = value;
+    add_all(f_stop, sensor_height_m, aperture_diameter_m, focus_distance_m, focus_point, blades,
+            blade_rotation_rad);
+  }
+
   void add(const CameraSpec& value) {
-    const auto& [view, metering, exposure_ev] = value;
-    add_all(view, metering, exposure_ev);
+    const auto& [view, metering, exposure_ev, depth_of_field] = value;
+    add_all(view, metering, exposure_ev, depth_of_field);
   }
 
   void add(const ColorGrade& value) {
@@ -193,11 +239,21 @@ class CanonicalHash {
     add_all(white_balance_kelvin, white_balance_tint, contrast, saturation);
   }
 
+  void add(const PixelFilter& value) {
+    const auto& [kind, radius_px] = value;
+    add_all(kind, radius_px);
+  }
+
+  void add(const Bloom& value) {
+    const auto& [intensity, radius, source, threshold] = value;
+    add_all(intensity, radius, source, threshold);
+  }
+
   void add(const OutputSpec& value) {
     const auto& [width, height, format, bit_depth, exr_type, exr_compression, compression_quality, lossless,
-                 tone_map, grade, samples] = value;
+                 tone_map, grade, pixel_filter, bloom, samples] = value;
     add_all(width, height, format, bit_depth, exr_type, exr_compression, compression_quality, lossless,
-            tone_map, grade, samples);
+            tone_map, grade, pixel_filter, bloom, samples);
   }
 
   void add(const RenderSpec& value) {

@@ -2,6 +2,7 @@
 // renderer.
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -25,16 +26,43 @@ struct BuiltinName {
   std::string name;  // without "builtin:"
 };
 
+struct KeepTexture {};
+struct NoTexture {};
+struct TextureFile {
+  Blob encoded;  // PNG, JPEG or WebP
+  int uv_set = 0;
+  SamplerDesc sampler;
+  UvTransform transform;
+};
+using TextureOverride = std::variant<KeepTexture, NoTexture, TextureFile>;
+
 // A material in a request: a preset or plain values, over the defaults or over a model's own material of the
-// same name.
+// same name. Units and ranges are those of Material. A metallic or roughness, or a texture of them, makes a
+// specular-glossiness material one of metallic-roughness.
 struct MaterialOverride {
   std::optional<std::string> preset;
+  std::optional<ShadingModel> model;
   std::optional<glm::vec4> base_color;
   std::optional<float> metallic, perceptual_roughness, emissive_strength, normal_scale, occlusion_strength,
       alpha_cutoff;
   std::optional<glm::vec3> emissive;
   std::optional<AlphaMode> alpha_mode;
   std::optional<bool> double_sided, unlit;
+
+  std::optional<float> ior, specular;
+  std::optional<glm::vec3> specular_color;
+  std::optional<float> clearcoat, clearcoat_perceptual_roughness, clearcoat_normal_scale;
+  std::optional<glm::vec3> sheen_color;
+  std::optional<float> sheen_perceptual_roughness;
+  std::optional<float> anisotropy, anisotropy_rotation_rad;
+  std::optional<float> iridescence, iridescence_ior, iridescence_thickness_min_nm,
+      iridescence_thickness_max_nm;
+  std::optional<float> transmission, thickness_m, attenuation_distance_m, dispersion;
+  std::optional<glm::vec3> attenuation_color;
+  std::optional<float> diffuse_transmission;
+  std::optional<glm::vec3> diffuse_transmission_color;
+
+  std::array<TextureOverride, kTextureUses> textures;  // by TextureUse
 };
 
 struct NodeSpec {
@@ -49,10 +77,12 @@ struct NodeSpec {
 struct SceneSpec {
   std::shared_ptr<const ModelBundle> model;  // may be null: then nodes only
   int gltf_scene = -1;                       // as ImportOptions::scene
+  std::optional<std::string> variant;        // of the model's materials, by name
   std::vector<NodeSpec> nodes;
   std::map<std::string, MaterialOverride> materials;
-  std::vector<Light> lights;  // beside those of the model
-  bool model_lights = true;   // whether the model's own shine
+  ShadingModel shading_model = ShadingModel::kPbr;  // of materials that state none
+  std::vector<Light> lights;                        // beside those of the model
+  bool model_lights = true;                         // whether the model's own shine
 };
 
 struct EnvironmentFile {
@@ -128,6 +158,15 @@ struct LookAtCamera {
   glm::vec3 eye{0}, target{0}, up{0, 1, 0};  // m
   double fov_y_rad = 0.5236;
 };
+// A calibrated pinhole: what structure from motion and camera calibration give.
+struct IntrinsicsCamera {
+  glm::dvec2 focal_px{1};  // fx, fy of the calibrated picture, > 0
+  glm::dvec2 principal_px{
+      0};  // cx, cy from its upper left corner, y down; the first pixel's centre is (0.5, 0.5)
+  glm::dvec2 picture_px{1};  // its width and height; a picture of another size shows as much of the height
+  glm::vec3 translation{0};  // m, of the camera in the world
+  glm::quat rotation{1, 0, 0, 0};  // w x y z, world from camera: looks along -Z, +Y up
+};
 struct GltfCamera {
   std::variant<int, std::string> which = 0;  // index or name
 };
@@ -139,10 +178,23 @@ struct PhysicalExposure {
 };
 struct AutoExposure {};  // by the picture's own mean
 
+// A thin lens in place of the pinhole: what is not at the distance of focus is blurred. Of an opening with an f-number the
+// focal length is the one whose field of view on the sensor is the camera's, focused at infinity.
+struct DepthOfField {
+  double f_stop = 2.8;                        // focal length over diameter
+  double sensor_height_m = 0.024;             // of 35 mm film
+  std::optional<double> aperture_diameter_m;  // in place of f_stop
+  std::optional<double> focus_distance_m;     // along the viewing direction
+  std::optional<glm::vec3> focus_point;       // in place of a distance; neither: the middle of the scene
+  int blades = 0;                 // 0: a round opening; else corners of a regular polygon inscribed in it
+  double blade_rotation_rad = 0;  // counter-clockwise as seen by the camera; 0: a corner points up
+};
+
 struct CameraSpec {
-  std::variant<OrbitCamera, LookAtCamera, GltfCamera> view = OrbitCamera{};
+  std::variant<OrbitCamera, LookAtCamera, GltfCamera, IntrinsicsCamera> view = OrbitCamera{};
   std::variant<UnmeteredExposure, PhysicalExposure, AutoExposure> metering;
   double exposure_ev = 0;  // stops, more than what is metered
+  std::optional<DepthOfField> depth_of_field = {};
 };
 
 enum class OutputFormat { kPng, kExr, kJpeg, kWebp };
@@ -165,6 +217,24 @@ struct ColorGrade {
   bool operator==(const ColorGrade&) const = default;
 };
 
+enum class PixelFilterKind { kBox, kGaussian, kBlackmanHarris, kMitchell };
+
+// What several sub-frames of a pixel are weighted by: renderer/frame/pixel_filter.hpp.
+struct PixelFilter {
+  PixelFilterKind kind = PixelFilterKind::kBox;
+  double radius_px = 0.5;  // 0 beyond, along each axis
+};
+
+enum class BloomSource { kAll, kEmission };
+
+// The share `intensity` of what exceeds the threshold is spread around the place it came from: renderer/frame/bloom.hpp.
+struct Bloom {
+  double intensity = 0.25;  // [0, 1]
+  double radius = 0.1;      // of the picture's height
+  BloomSource source = BloomSource::kAll;
+  double threshold = 1;  // exposed radiance
+};
+
 struct OutputSpec {
   int width = 1024, height = 1024;  // px
   OutputFormat format = OutputFormat::kPng;
@@ -175,6 +245,8 @@ struct OutputSpec {
   bool lossless = false;                          // of a WebP
   ToneMap tone_map = ToneMap::kPbrNeutral;
   ColorGrade grade;
+  PixelFilter pixel_filter;
+  std::optional<Bloom> bloom;
   int samples = 1;  // sub-frames, each with the context's MSAA
 };
 

@@ -29,7 +29,7 @@ std::size_t Mesh::byte_size() const {
 
 std::size_t Scene::byte_size() const {
   std::size_t size = sizeof(Scene) + bytes_of(materials) + bytes_of(instances) + bytes_of(cameras) +
-                     bytes_of(lights) + bytes_of(notes);
+                     bytes_of(lights) + bytes_of(variants) + bytes_of(notes);
   for (const Mesh& mesh : meshes) size += mesh.byte_size();
   for (const SceneImage& image : images)
     size += sizeof(SceneImage) + image.pointer.capacity() + image.encoded.size();

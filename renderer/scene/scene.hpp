@@ -30,8 +30,7 @@ struct Bounds {
 enum class Topology { kPoints, kLines, kTriangles };  // strips, fans and loops are expanded by the importer
 
 // One drawable primitive in model space. Attribute arrays are empty or as long as `positions`.
-// Triangles always have normals (imported or generated flat); tangents when a material of theirs has a normal
-// map.
+// Triangles always have normals (imported or generated flat); tangents when a material of theirs needs them.
 struct Mesh {
   std::string name;
   Topology topology = Topology::kTriangles;
@@ -47,8 +46,9 @@ struct Mesh {
 };
 
 struct SceneImage {
-  Blob encoded;         // PNG, JPEG (WebP) bytes
-  std::string pointer;  // place in the model's own document, e.g. "/images/3"
+  Blob encoded;  // PNG, JPEG (WebP) bytes
+  // Place in the model's own document, e.g. "/images/3", or in the request, "/scene/materials/gold/textures/normal".
+  std::string pointer;
 };
 
 struct Instance {
@@ -85,6 +85,7 @@ struct Scene {
   std::vector<Instance> instances;
   std::vector<CameraNode> cameras;
   std::vector<Light> lights;
+  std::vector<std::string> variants;  // names that the model knows (KHR_materials_variants), chosen or not
   std::vector<Note> notes;
 
   std::size_t byte_size() const;

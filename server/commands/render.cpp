@@ -200,6 +200,8 @@ void add_options(CLI::App& command, Arguments& to) {
   command.add_option("--environment", to.environment,
                      "an .hdr or .exr file, or the name of a built-in environment");
   command.add_option("--rotation", options.rotation_degrees, "turn of the environment about +Y, degrees");
+  command.add_option("--variant", options.variant, "one of the model's sets of materials");
+  command.add_option("--shading-model", options.shading_model, "pbr, schlick-beckmann, blinn-phong or phong");
   command.add_option("--background", options.background, "environment, transparent or #rrggbb");
   command.add_option("--background-blur", options.blur_degrees, "of the environment seen, degrees");
   command.add_flag("--ground", options.ground, "a ground that shows the scene's shadow");
@@ -217,6 +219,11 @@ void add_options(CLI::App& command, Arguments& to) {
   command.add_option("--shutter", options.shutter_seconds, "s, with --aperture");
   command.add_option("--iso", options.iso, "with --aperture and --shutter");
   command.add_flag("--auto-exposure", options.auto_exposure, "brings the picture's mean to mid grey");
+  command.add_option("--f-stop", options.f_stop, "of a lens that blurs what is out of focus; needs samples");
+  command.add_option("--focus-distance", options.focus_distance_m,
+                     "m; else the middle of the scene is sharp");
+  command.add_option("--bloom", options.bloom_intensity, "share of what is bright that spreads round it");
+  command.add_option("--pixel-filter", options.pixel_filter, "box, gaussian, blackman-harris or mitchell");
   command.add_option("--tone-map", options.tone_map, "pbr-neutral, aces, agx, reinhard, linear or none");
   command.add_option("--white-balance", options.white_balance_kelvin, "kelvin of the light that looks white");
   command.add_option("--tint", options.white_balance_tint, "towards magenta, or green if negative");

@@ -76,8 +76,12 @@ bool meters(const RenderOptions& options) {
 }  // namespace
 
 std::string request_document(const RenderOptions& options, const std::string& model) {
-  Members scene, environment, orbit, camera, output, request;
-  if (!model.empty()) scene.add("model", std::optional(model));
+  Members scene, environment, orbit, camera, depth_of_field, output, bloom, request;
+  if (!model.empty()) {
+    scene.add("model", std::optional(model));
+    scene.add("variant", options.variant);
+  }
+  scene.add("shadingModel", options.shading_model);
   environment.add("map", options.environment);
   environment.add("rotationDegrees", options.rotation_degrees);
   environment.add("sun", options.sun);
@@ -96,6 +100,9 @@ std::string request_document(const RenderOptions& options, const std::string& mo
   camera.add("shutterSeconds", options.shutter_seconds);
   camera.add("iso", options.iso);
   if (options.auto_exposure) camera.add_raw("autoExposure", "true");
+  depth_of_field.add("fStop", options.f_stop);
+  depth_of_field.add("focusDistanceMetres", options.focus_distance_m);
+  camera.add_object("depthOfField", depth_of_field);
   output.add("width", options.width);
   output.add("height", options.height);
   output.add("format", options.format);
@@ -109,6 +116,9 @@ std::string request_document(const RenderOptions& options, const std::string& mo
   output.add("whiteBalanceTint", options.white_balance_tint);
   output.add("contrast", options.contrast);
   output.add("saturation", options.saturation);
+  bloom.add("intensity", options.bloom_intensity);
+  output.add_object("bloom", bloom);
+  output.add("pixelFilter", options.pixel_filter);
   output.add("quality", options.quality);
   output.add("samples", options.samples);
   request.add_object("scene", scene);
@@ -119,6 +129,8 @@ std::string request_document(const RenderOptions& options, const std::string& mo
 }
 
 void apply_options(const RenderOptions& options, const RenderSpec& said, RenderSpec& spec) {
+  if (options.variant) spec.scene.variant = options.variant;
+  if (options.shading_model) spec.scene.shading_model = said.scene.shading_model;
   if (options.environment) spec.environment.map = said.environment.map;
   if (options.rotation_degrees) spec.environment.rotation_rad = said.environment.rotation_rad;
   if (options.background || options.blur_degrees) spec.environment.background = said.environment.background;
@@ -128,6 +140,9 @@ void apply_options(const RenderOptions& options, const RenderSpec& said, RenderS
   if (turns_camera(options)) spec.camera.view = said.camera.view;
   if (options.exposure_ev) spec.camera.exposure_ev = said.camera.exposure_ev;
   if (meters(options)) spec.camera.metering = said.camera.metering;
+  if (options.f_stop || options.focus_distance_m) spec.camera.depth_of_field = said.camera.depth_of_field;
+  if (options.bloom_intensity) spec.output.bloom = said.output.bloom;
+  if (options.pixel_filter) spec.output.pixel_filter = said.output.pixel_filter;
   const ColorGrade& grade = said.output.grade;
   ColorGrade& to = spec.output.grade;
   if (options.white_balance_kelvin) to.white_balance_kelvin = grade.white_balance_kelvin;

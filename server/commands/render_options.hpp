@@ -16,12 +16,16 @@ struct RenderOptions {
   std::optional<double> ev100, aperture, shutter_seconds, iso;
   bool auto_exposure = false;
   std::optional<double> white_balance_kelvin, white_balance_tint, contrast, saturation;
+  std::optional<double> f_stop, focus_distance_m, bloom_intensity;
+  std::optional<std::string> pixel_filter;
   std::optional<double> azimuth_degrees, elevation_degrees, exposure_ev, rotation_degrees;
   std::optional<std::string> environment;  // a reference: "builtin:studio", "part:environment"
   std::optional<std::string> background;   // environment, transparent or #rrggbb
   std::optional<double> blur_degrees;      // of the background
   std::optional<std::string> sun;
   std::optional<std::string> visibility;
+  std::optional<std::string> variant;  // of the model's materials, by name
+  std::optional<std::string> shading_model;
   bool ground = false;
 };
 

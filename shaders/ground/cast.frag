@@ -19,9 +19,11 @@ void main() {
 #endif
 #if FEATURE_ALPHA_MASK
   if (alpha < material.alpha_cutoff) discard;
-#else
+  alpha = 1.0;
+#endif
+#if FEATURE_ALPHA_BLEND
   // Enderton et al. 2010, "Stochastic Transparency": so many of the lights are kept out as the surface is opaque.
-  if (alpha <= least_opacity) discard;
+  if (alpha * material.shadow_opacity <= least_opacity) discard;
 #endif
 #endif
   uint bit = 1u << (light & 31u);

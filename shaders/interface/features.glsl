@@ -13,10 +13,24 @@
 // FEATURE_VERTEX_COLOR       vertices have colours
 // FEATURE_SHARP_REFLECTION   roughness may fall below the first baked level: the environment itself is read too
 // FEATURE_LIGHTS             lights shine beside the environment
+// FEATURE_LAYER_MAPS         textures of layers are read
+// FEATURE_SPECULAR           the dielectric's reflection is not that of index of refraction 1.5 (KHR_materials_ior, _specular)
+// FEATURE_GLOSSY             F0 and glossiness are given (KHR_materials_pbrSpecularGlossiness)
+// FEATURE_ANISOTROPY         the lobe is wider along the tangent (KHR_materials_anisotropy)
+// FEATURE_IRIDESCENCE        a thin film colours the reflection (KHR_materials_iridescence)
+// FEATURE_CLEARCOAT          a coat lies over the rest (KHR_materials_clearcoat)
+// FEATURE_COAT_NORMAL_MAP    with a normal texture of its own
+// FEATURE_SHEEN              fibres stand on the surface (KHR_materials_sheen)
+// FEATURE_DIFFUSE_TRANSMISSION  light from behind is scattered through (KHR_materials_diffuse_transmission)
+// FEATURE_TRANSMISSION       what stands behind is seen through the surface (KHR_materials_transmission, _volume, _dispersion)
+// FEATURE_SCHLICK_BECKMANN   masking by Schlick's approximation, without compensation
+// FEATURE_PHONG              the models of Phong and of Blinn
 // FEATURE_VEIL               blended surfaces, lines or points stand before the frame
 // FEATURE_SKY                the environment stands behind the frame
 // FEATURE_MAGNIFIED          its texels are larger than pixels: they are interpolated smoothly
 // FEATURE_GROUND_PROJECTION  its lower half lies flat, as a floor
 // FEATURE_GROUND_SHADOW      a ground under the scene shows its shadow
 // FEATURE_GRADE              white balance, contrast and saturation, and the tone curves of many operations
-// FEATURE_SKY_VISIBILITY     the scene keeps the environment's light from itself
+// FEATURE_BLOOM              a glow spreads from what is bright
+// FEATURE_EMISSION           surfaces show nothing but what they emit; only that glows
+// FEATURE_ENVIRONMENT_VISIBILITY  the scene keeps the environment's light from itself

@@ -11,9 +11,9 @@ struct MaterialBlock {
   uint uv_sets;                 // bit i: texture slot i reads UV set 1
   float map_width;              // px of every texture, where all are of one size and read at UV set 0, untransformed; else 0
   float map_height;
+  float shadow_opacity;         // [0, 1], times alpha: what the surface keeps of light that meets it
   uint pad_0;
   uint pad_1;
-  uint pad_2;
   vec4 uv_rows[10];             // two rows a slot (base colour, metallic-roughness, normal, occlusion, emissive):
                                 // uv' = (dot(row0.xyz, (uv, 1)), dot(row1.xyz, (uv, 1)))
 };

@@ -15,6 +15,6 @@ struct SkyBlock {
   uint count;
   float least_alpha;    // of a specular lobe: a narrower one falls between the directions
   float map_px;         // side of the maps
-  uint pad_0;
+  uint first_layer;     // of the shadow maps
   SkyView views[32];
 };

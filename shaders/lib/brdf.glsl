@@ -18,19 +18,23 @@ float V_SmithGGXCorrelated(float NoV, float NoL, float alpha) {
 }
 
 // Schlick 1994, "An Inexpensive BRDF Model for Physically-based Rendering".
-vec3 F_Schlick(float VoH, vec3 f0) {
+vec3 F_Schlick(float VoH, vec3 f0, vec3 f90) {
   float m = clamp(1.0 - VoH, 0.0, 1.0);
   float m2 = m * m;
-  return f0 + (1.0 - f0) * (m2 * m2 * m);
+  return f0 + (f90 - f0) * (m2 * m2 * m);
 }
+
+float max_component(vec3 v) { return max(v.x, max(v.y, v.z)); }
 
 // Turquin 2019, "Practical Multiple Scattering Compensation for Microfacet Models": the single-scatter lobe is scaled so
 // that F0 = 1 reflects everything. `dfg` = (scale, bias) of the split sum (Karis 2013, "Real Shading in Unreal Engine 4").
-vec3 specular_albedo(vec3 f0, vec2 dfg) {
-  vec3 single = f0 * dfg.x + dfg.y;
+vec3 multiple_scattering(vec3 f0, vec2 dfg) {
   float e = dfg.x + dfg.y;
-  return single * (1.0 + f0 * ((1.0 - e) / max(e, MIN_COSINE)));
+  return 1.0 + f0 * ((1.0 - e) / max(e, MIN_COSINE));
 }
+
+// `f90`: of a grazing reflection.
+vec3 specular_albedo(vec3 f0, vec3 f90, vec2 dfg) { return (f0 * dfg.x + f90 * dfg.y) * multiple_scattering(f0, dfg); }
 
 // Lagarde and de Rousiers 2014, "Moving Frostbite to Physically Based Rendering": occlusion of a specular lobe from a
 // diffuse occlusion.

@@ -1,6 +1,7 @@
 // A pixel of the frame with what stands before it (the veil) and behind it (the background). All is premultiplied and the mean
 // of samples is linear, so composing the mean is exact where the background is one for the pixel.
 #include "interface/ground_block.glsl"
+#include "lib/bicubic.glsl"
 #include "lib/color.glsl"
 #include "lib/sphere.glsl"
 #include "lib/visibility.glsl"
@@ -28,26 +29,7 @@ layout(binding = 5) uniform sampler2D sky_map;
 layout(location = 0) in vec3 sky_ray;  // in the frame of the environment, not normalised
 layout(location = 1) flat in vec2 sky;    // radiance per stored unit; mip level
 
-// Sigg and Hadwiger 2005, "Fast Third-Order Texture Filtering": the cubic B-spline, which cannot ring next to a sun, by
-// four bilinear fetches.
-vec3 sky_bicubic(vec2 uv) {
-  vec2 size = vec2(textureSize(sky_map, 0));
-  vec2 at = uv * size - 0.5;
-  vec2 f = fract(at);
-  vec2 base = floor(at);
-  vec2 f2 = f * f;
-  vec2 f3 = f2 * f;
-  vec2 w0 = (1.0 - f) * (1.0 - f) * (1.0 - f) / 6.0;
-  vec2 w1 = (3.0 * f3 - 6.0 * f2 + 4.0) / 6.0;
-  vec2 w3 = f3 / 6.0;
-  vec2 w2 = 1.0 - w0 - w1 - w3;
-  vec2 g0 = w0 + w1;
-  vec2 g1 = w2 + w3;
-  vec2 p0 = (base - 0.5 + w1 / g0) / size;
-  vec2 p1 = (base + 1.5 + w3 / g1) / size;
-  return g0.y * (g0.x * textureLod(sky_map, p0, 0.0).rgb + g1.x * textureLod(sky_map, vec2(p1.x, p0.y), 0.0).rgb) +
-         g1.y * (g0.x * textureLod(sky_map, vec2(p0.x, p1.y), 0.0).rgb + g1.x * textureLod(sky_map, p1, 0.0).rgb);
-}
+vec3 sky_bicubic(vec2 uv) { return bicubic(sky_map, uv, 0.0).rgb; }
 
 #if FEATURE_GROUND_PROJECTION
 layout(location = 2) in vec3 sky_origin;   // m, from the middle of the dome

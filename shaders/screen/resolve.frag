@@ -1,6 +1,7 @@
-// Accumulated radiance -> what is stored. Pictures: exposure, grade, tone curve, transfer function, straight alpha.
-// Scene-linear film: exposure and grade only, alpha stays premultiplied.
+// Accumulated radiance -> what is stored. Pictures: exposure, bloom, grade, tone curve, transfer function, straight alpha.
+// Scene-linear film: exposure, bloom and grade only, alpha stays premultiplied.
 #include "lib/color.glsl"
+#include "lib/glow.glsl"
 #include "lib/grade.glsl"
 #include "lib/tone.glsl"
 #include "screen/frame_pixel.glsl"
@@ -11,7 +12,31 @@ layout(location = 2) uniform float largest;       // of the film's format, for s
 layout(location = 6) uniform vec2 grade;          // contrast, saturation
 layout(location = 7) uniform mat3 white_balance;
 #endif
+#if FEATURE_BLOOM
+layout(binding = 2) uniform sampler2D glow_map;  // exposed, of the whole picture
+#if FEATURE_EMISSION
+layout(binding = 3) uniform sampler2D emission_map;
+#endif
+layout(location = 8) uniform vec2 bloom;             // intensity, threshold
+layout(location = 9) uniform vec4 picture_from_tile;  // uv of the tile's upper left; of a pixel
+#endif
 layout(location = 0) out vec4 out_color;
+
+#if FEATURE_BLOOM
+// What is spread is taken from where it was. Before a transparent background the glow covers it by its brightness, so that
+// straight colours can carry it.
+vec4 bloomed(vec4 pixel, ivec2 at) {
+#if FEATURE_EMISSION
+  vec3 source = max(texelFetch(emission_map, at, 0).rgb, 0.0);
+#else
+  vec3 source = pixel.rgb;
+#endif
+  vec3 glow = bloom.x * bicubic(glow_map, picture_from_tile.xy + gl_FragCoord.xy * picture_from_tile.zw, 0.0).rgb;
+  vec3 taken = bloom.x * bright_part(source * exposure, bloom.y);
+  vec3 color = max(pixel.rgb + (glow - taken) / exposure, 0.0);
+  return vec4(color, pixel.a + (1.0 - pixel.a) * min(max(glow.r, max(glow.g, glow.b)), 1.0));
+}
+#endif
 
 vec3 toned(vec3 color) {
   if (tone_curve == 0u) color = tone_pbr_neutral(color);
@@ -25,6 +50,10 @@ vec3 toned(vec3 color) {
 
 void main() {
   vec4 pixel = frame_pixel(ivec2(gl_FragCoord.xy));
+  pixel.rgb = max(pixel.rgb, 0.0);  // a pixel filter may have negative lobes
+#if FEATURE_BLOOM
+  pixel = bloomed(pixel, ivec2(gl_FragCoord.xy));
+#endif
   float alpha = clamp(pixel.a, 0.0, 1.0);
   // Of few sub-frames environment_visibility.glsl may take more light than there is.
   pixel.rgb = max(pixel.rgb, vec3(0.0));

@@ -12,13 +12,15 @@ void main() {
 #endif
 #if FEATURE_ALPHA_MASK
   if (alpha < material.alpha_cutoff) discard;
-#else
+  alpha = 1.0;
+#endif
+#if FEATURE_ALPHA_BLEND
   // Enderton et al. 2010, "Stochastic Transparency", with the fixed thresholds of Bayer 1973, "An optimum method for
   // two-level rendition": of 4 x 4 texels so many are kept as the surface is opaque.
   uvec2 at = uvec2(gl_FragCoord.xy);
   uvec2 low = at & 1u, high = at >> 1u & 1u;
   uint rank = 4u * (2u * (low.x ^ low.y) + low.y) + 2u * (high.x ^ high.y) + high.y;
-  if (alpha * 16.0 <= float(rank)) discard;
+  if (alpha * material.shadow_opacity * 16.0 <= float(rank) + 0.5) discard;
 #endif
 #endif
 }

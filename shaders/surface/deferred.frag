@@ -95,7 +95,7 @@ Attributes seen_attributes(uint triangle, vec2 ndc_at) {
 
   Attributes a;
   a.to_viewer_world = to_viewer_world;
-#if FEATURE_LIGHTS || FEATURE_SKY_VISIBILITY
+#if NEEDS_POSITION
   a.position_world = deferred.world_from_model * interpolate(rows, 0, at).xyz + deferred.origin.xyz;
 #else
   a.position_world = vec3(0.0);
@@ -109,7 +109,7 @@ Attributes seen_attributes(uint triangle, vec2 ndc_at) {
       unit_change2(normal_world, deferred.world_from_model_normal * (normal_0 * dx.x + normal_1 * dx.y + normal_2 * dx.z)) +
       unit_change2(normal_world, deferred.world_from_model_normal * (normal_0 * dy.x + normal_1 * dy.y + normal_2 * dy.z));
   a.tangent_world = vec4(0.0);
-#if FEATURE_NORMAL_MAP
+#if NEEDS_TANGENT
   vec4 tangent = interpolate(rows, 2, at);
   a.tangent_world =
       vec4(with_length_of(tangent.xyz, deferred.world_from_model * tangent.xyz), tangent.w * deferred.scalars.x);
@@ -124,6 +124,12 @@ Attributes seen_attributes(uint triangle, vec2 ndc_at) {
   a.color = interpolate(rows, 4, at);
 #endif
   a.front = front;
+#if FEATURE_TRANSMISSION
+  a.world_from_model_scale = deferred.scalars.w;
+  vec3 step_x = deferred.world_from_model * interpolate(rows, 0, dx).xyz;
+  vec3 step_y = deferred.world_from_model * interpolate(rows, 0, dy).xyz;
+  a.curvature2 = a.normal_change2 / max(dot(step_x, step_x) + dot(step_y, step_y), 1e-20);
+#endif
   return a;
 }
 
@@ -152,5 +158,9 @@ void main() {
   Attributes a = seen_attributes(is_ours ? triangle_of(texel) : 0u, ndc + offset_px * deferred.scalars.yz);
   Surface s = read_surface(a);
   float share = pixel_share(pixel, shares);
-  out_color = vec4(surface_radiance(s) * share, share);
+  vec4 radiance = surface_radiance(s);
+#if FEATURE_TRANSMISSION && FEATURE_ALPHA_BLEND
+  radiance = covering(s, radiance);
+#endif
+  out_color = radiance * share;
 }

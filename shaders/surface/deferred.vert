@@ -18,7 +18,8 @@ void main() {
   constants = surface_constants(frame);
   mat4 rows = transpose(frame.clip_from_world * draw.world_from_model);
   deferred = DeferredConstants(rows[0], rows[1], rows[3], mat3(draw.world_from_model_normal), mat3(draw.world_from_model),
-                               draw.world_from_model[3], vec4(draw.handedness, frame.ndc_per_pixel_x, frame.ndc_per_pixel_y, 0.0),
+                               draw.world_from_model[3], vec4(draw.handedness, frame.ndc_per_pixel_x, frame.ndc_per_pixel_y,
+                                    pow(abs(determinant(mat3(draw.world_from_model))), 1.0 / 3.0)),
                                uvec2(draw.key, draw.vertex_rows));
   gl_Position = vec4(ndc, depth_of_key(draw.key), 1.0);
 }

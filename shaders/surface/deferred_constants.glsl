@@ -4,6 +4,6 @@ struct DeferredConstants {
   mat3 world_from_model_normal;
   mat3 world_from_model;
   vec4 origin;       // xyz: of the model in the world, m
-  vec4 scalars;      // handedness; ndc a pixel to the right, downwards
+  vec4 scalars;      // handedness; ndc a pixel to the right, downwards; metres of the world for one of the model
   uvec2 draw;        // key, vec4 rows a vertex
 };

@@ -1,6 +1,7 @@
 // Light of the baked environment: split sum (Karis 2013) with exact prefiltered levels.
 #include "interface/frame_block.glsl"
-#include "lib/brdf.glsl"
+#include "lib/brdf_layers.glsl"
+#include "lib/color.glsl"
 #include "lib/sphere.glsl"
 #include "surface/constants.glsl"
 
@@ -42,24 +43,62 @@ vec3 prefiltered_radiance(vec3 direction, float perceptual_roughness) {
   return radiance;
 }
 
+#if FEATURE_TRANSMISSION
+#include "surface/transmission.glsl"
+#endif
+
 // E / pi around unit `direction` (environment frame).
 vec3 diffuse_radiance(vec3 direction) {
   return sample_tile(constants.irradiance_tile, octahedral_from_direction(direction)) * constants.irradiance_tile.w;
 }
 
+// Directional albedos of the lobes of the base layer.
 struct Reflectance {
-  vec3 diffuse;   // directional albedo of the diffuse lobe
-  vec3 specular;  // directional albedo of the specular lobe
+  vec3 specular;
+  vec3 body;  // of what enters a dielectric: shared by all that happens within it
 };
 
-// glTF 2.0 appendix B: a mix by metallic of a dielectric (F0 = 0.04 over Lambert) and a metal (F0 = base colour). What the
-// dielectric's surface reflects does not reach its diffuse base, so a white furnace stays white.
-Reflectance reflectance(vec3 base_color, float metallic, vec2 dfg) {
-  vec3 dielectric = specular_albedo(vec3(0.04), dfg);
+// glTF 2.0 appendix B: a mix by metallic of a dielectric and a metal (F0 = base colour). What the dielectric's surface
+// reflects does not reach its body, so a white furnace stays white; the greatest of the channels is held back from all, so
+// that a coloured reflection leaves no complementary colour (KHR_materials_specular).
+Reflectance reflectance(Surface s, vec2 dfg) {
+  vec3 dielectric = specular_albedo(s.f0, s.f90, dfg);
   Reflectance r;
-  r.specular = mix(dielectric, specular_albedo(base_color, dfg), metallic);
-  r.diffuse = (1.0 - metallic) * base_color * (1.0 - dielectric);
+  r.specular = mix(dielectric, specular_albedo(s.metal_f0, vec3(1.0), dfg), s.metallic);
+  r.body = vec3((1.0 - s.metallic) * max(1.0 - max_component(dielectric), 0.0));
   return r;
+}
+
+// Light that leaves a surface, by where it came through; layered() puts the layers together.
+struct Leaving {
+  vec3 diffuse, specular;
+  vec3 through;       // what was behind, seen through it
+  vec3 see_through;   // share of the light of a transparent background that passes
+#if FEATURE_SHEEN
+  vec3 sheen;
+#endif
+#if FEATURE_CLEARCOAT
+  vec3 clearcoat;
+#endif
+};
+
+// What becomes of the body's share, r.body: reflected diffusely, scattered through, seen through.
+struct BodyShares {
+  vec3 reflected, scattered, seen;
+};
+
+BodyShares body_shares(Surface s, vec3 body) {
+  BodyShares b = BodyShares(body * s.base_color.rgb, vec3(0.0), vec3(0.0));
+#if FEATURE_DIFFUSE_TRANSMISSION
+  b.scattered = body * s.diffuse_transmission_color * s.diffuse_transmission;
+  b.reflected *= 1.0 - s.diffuse_transmission;
+#endif
+#if FEATURE_TRANSMISSION
+  b.seen = body * s.base_color.rgb * s.transmission;
+  b.reflected *= 1.0 - s.transmission;
+  b.scattered *= 1.0 - s.transmission;
+#endif
+  return b;
 }
 
 // The lobe of a rough surface leans from the mirror direction towards the normal by `lean_rad`.
@@ -74,13 +113,149 @@ vec3 lobe_direction(vec3 normal, vec3 to_viewer, float NoV, float lean_rad) {
   return sine > 1e-3 ? normalize(leant) : mirror;
 }
 
-vec3 environment_light(vec3 base_color, float metallic, float alpha, float occlusion, vec3 normal, vec3 to_viewer,
-                       float NoV) {
-  float perceptual_roughness = sqrt(alpha);
-  vec4 dfg = textureLod(dfg_map, vec2(NoV, perceptual_roughness), 0.0);
-  Reflectance r = reflectance(base_color, metallic, dfg.xy);
-  vec3 lobe = constants.environment_from_world * lobe_direction(normal, to_viewer, NoV, dfg.z);
-  vec3 specular = r.specular * prefiltered_radiance(lobe, perceptual_roughness);
-  vec3 diffuse = r.diffuse * diffuse_radiance(constants.environment_from_world * normal);
-  return diffuse * occlusion + specular * specular_occlusion(NoV, occlusion, alpha);
+vec3 reflected_radiance(vec3 normal, vec3 to_viewer, float NoV, float lean_rad, float perceptual_roughness) {
+  vec3 lobe = constants.environment_from_world * lobe_direction(normal, to_viewer, NoV, lean_rad);
+  return prefiltered_radiance(lobe, perceptual_roughness);
+}
+
+#if FEATURE_ANISOTROPY
+// Radiance of a lobe wider along the tangent: round lobes of the narrow width, about normals tilted along the tangent as the
+// slopes of GGX are spread beyond that width. Along one axis they have the density a^2 / (2 (a^2 + x^2)^(3/2)), so the
+// quantile of u in (-1, 1) is x = a u / sqrt(1 - u^2).
+vec3 anisotropic_radiance(Surface s) {
+  const int kTaps = 12;
+  float spread = sqrt(max(s.alpha_t * s.alpha_t - s.alpha * s.alpha, 0.0));
+  // No sharper than the taps lie apart.
+  float tap_roughness = sqrt(max(s.alpha, 0.15 * spread));
+  float lean = textureLod(dfg_map, vec2(s.NoV, tap_roughness), 0.0).z;
+  vec3 sum = vec3(0.0);
+  float weights = 0.0;
+  for (int i = 0; i < kTaps; ++i) {
+    float u = (2.0 * float(i) + 1.0) / float(kTaps) - 1.0;
+    vec3 h = normalize(s.normal + s.tangent * (spread * u * inversesqrt(1.0 - u * u)));
+    vec3 l = reflect(-s.to_viewer, h);
+    float VoH = dot(s.to_viewer, h), NoL = dot(s.normal, l);
+    if (VoH <= 0.0 || NoL <= 0.0) continue;
+    // Of a half vector drawn from D cos: G (v.h) / (n.h n.v), here by the masking of the light alone.
+    float weight = VoH * 2.0 * NoL / (NoL + sqrt(s.alpha_t * s.alpha_t + (1.0 - s.alpha_t * s.alpha_t) * NoL * NoL));
+    sum += weight * reflected_radiance(h, s.to_viewer, VoH, lean, tap_roughness);
+    weights += weight;
+  }
+  return weights > 0.0 ? sum / weights : prefiltered_radiance(constants.environment_from_world * s.normal, tap_roughness);
+}
+#endif
+
+#if FEATURE_SHEEN
+// The lobe of fibres is about as wide as a cosine's.
+vec3 sheen_direction(Surface s) {
+  float lean = charlie_lean(s.sheen_roughness);
+  vec3 across = s.to_viewer - s.NoV * s.normal;
+  return normalize(cos(lean) * s.normal + sin(lean) * across / max(length(across), 0.3));
+}
+
+// Directional albedo for a white fibre.
+float sheen_albedo(float NoV, float perceptual_roughness) {
+  return textureLod(dfg_map, vec2(NoV, perceptual_roughness), 0.0).w;
+}
+#endif
+
+#if FEATURE_CLEARCOAT
+vec4 clearcoat_dfg(Surface s) { return textureLod(dfg_map, vec2(s.clearcoat_NoV, sqrt(s.clearcoat_alpha)), 0.0); }
+#endif
+
+#if FEATURE_ENVIRONMENT_VISIBILITY
+#include "surface/environment_visibility.glsl"
+#endif
+
+Leaving environment_light(Surface s) {
+#if FEATURE_ENVIRONMENT_VISIBILITY
+  s.occlusion = 1.0;  // as path tracers do: a map of it would darken again
+#endif
+  float perceptual_roughness = sqrt(s.alpha);
+  Leaving out_light;
+  vec3 normal_in_environment = constants.environment_from_world * s.normal;
+#if FEATURE_PHONG
+  // Ambient and a mirror blurred: neither knows Fresnel's term.
+  vec3 specular_color = mix(s.f0, s.metal_f0, s.metallic);
+  BodyShares body = body_shares(s, vec3(1.0 - s.metallic));
+  out_light.specular =
+      specular_color * reflected_radiance(s.normal, s.to_viewer, s.NoV, 0.0, perceptual_roughness);
+#elif FEATURE_SCHLICK_BECKMANN
+  vec2 dfg = schlick_beckmann_dfg(s.NoV, perceptual_roughness);
+  vec3 specular_color = mix(s.f0, s.metal_f0, s.metallic);
+  BodyShares body = body_shares(s, (1.0 - s.metallic) * (1.0 - F_Schlick(s.NoV, s.f0, s.f90)));
+  out_light.specular = (specular_color * dfg.x + dfg.y) *
+                       reflected_radiance(s.normal, s.to_viewer, s.NoV, 0.0, perceptual_roughness);
+#else
+#if FEATURE_ANISOTROPY
+  perceptual_roughness = sqrt(sqrt(s.alpha * s.alpha_t));
+#endif
+  vec4 dfg = textureLod(dfg_map, vec2(s.NoV, perceptual_roughness), 0.0);
+  Reflectance r = reflectance(s, dfg.xy);
+  BodyShares body = body_shares(s, r.body);
+#if FEATURE_ANISOTROPY
+  out_light.specular = r.specular * anisotropic_radiance(s);
+#else
+  out_light.specular =
+      r.specular * reflected_radiance(s.normal, s.to_viewer, s.NoV, dfg.z, perceptual_roughness);
+#endif
+#endif
+  out_light.diffuse = body.reflected * diffuse_radiance(normal_in_environment) * s.occlusion;
+  out_light.specular *= specular_occlusion(s.NoV, s.occlusion, s.alpha);
+  out_light.through = vec3(0.0);
+  out_light.see_through = vec3(0.0);
+#if FEATURE_DIFFUSE_TRANSMISSION
+  vec3 scattered = body.scattered * diffuse_radiance(-normal_in_environment);
+#endif
+#if FEATURE_TRANSMISSION
+  add_transmitted(s, body.seen, out_light.through, out_light.see_through);
+#endif
+#if FEATURE_SHEEN
+  out_light.sheen = s.sheen_color * sheen_albedo(s.NoV, s.sheen_roughness) *
+                    diffuse_radiance(constants.environment_from_world * sheen_direction(s)) * s.occlusion;
+#endif
+#if FEATURE_CLEARCOAT
+  vec4 coat_dfg = clearcoat_dfg(s);
+  out_light.clearcoat = reflected_radiance(s.clearcoat_normal, s.to_viewer, s.clearcoat_NoV, coat_dfg.z,
+                                           sqrt(s.clearcoat_alpha)) *
+                        specular_albedo(vec3(0.04), vec3(1.0), coat_dfg.xy) *
+                        specular_occlusion(s.clearcoat_NoV, s.occlusion, s.clearcoat_alpha);
+#endif
+#if FEATURE_ENVIRONMENT_VISIBILITY
+  HiddenShares hidden = hidden_shares(s);
+  out_light.diffuse *= 1.0 - hidden.diffuse;
+  out_light.specular *= 1.0 - hidden.specular;
+#if FEATURE_DIFFUSE_TRANSMISSION
+  scattered *= 1.0 - hidden.scattered;
+#endif
+#if FEATURE_SHEEN
+  out_light.sheen *= 1.0 - hidden.sheen;
+#endif
+#if FEATURE_CLEARCOAT
+  out_light.clearcoat *= 1.0 - hidden.clearcoat;
+#endif
+#endif
+#if FEATURE_DIFFUSE_TRANSMISSION
+  out_light.diffuse += scattered;
+#endif
+  return out_light;
+}
+
+// The layers over one another. xyz: radiance; w: opacity, less than 1 only where a transparent background is seen through.
+vec4 layered(Surface s, Leaving l) {
+  vec3 radiance = l.diffuse + l.specular + l.through;
+  vec3 see_through = l.see_through;
+#if FEATURE_SHEEN
+  // KHR_materials_sheen: what the fibres send back does not reach the rest.
+  float under_sheen = max(1.0 - max_component(s.sheen_color) * sheen_albedo(s.NoV, s.sheen_roughness), 0.0);
+  radiance = radiance * under_sheen + l.sheen;
+  see_through *= under_sheen;
+#endif
+  radiance += s.emissive;
+#if FEATURE_CLEARCOAT
+  float under_coat = 1.0 - s.clearcoat * specular_albedo(vec3(0.04), vec3(1.0), clearcoat_dfg(s).xy).x;
+  radiance = radiance * under_coat + s.clearcoat * l.clearcoat;
+  see_through *= under_coat;
+#endif
+  return vec4(radiance, 1.0 - luminance(see_through));
 }

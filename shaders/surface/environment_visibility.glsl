@@ -3,22 +3,22 @@
 // sub-frames shed on the lobe, a number that is known before, so that the mean over the sub-frames has no bias: it is the share
 // that all directions together find. Where nothing is hidden the prefiltered light stays as it is.
 #include "interface/sky_block.glsl"
-#include "surface/environment_light.glsl"
 
-layout(std140, binding = 5) uniform SkyUniform { SkyBlock sky; };
-layout(binding = 16) uniform sampler2DArray sky_depths;
-layout(binding = 17) uniform sampler2D sky_sums;  // of all directions: renderer/ibl/light_sums.hpp
+layout(std140, binding = 6) uniform SkyUniform { SkyBlock sky; };
+layout(binding = 13) uniform sampler2D sky_sums;  // of all directions: renderer/ibl/light_sums.hpp
+layout(binding = 15) uniform sampler2DArray shadow_depths;
 
-// 0 .. 1: whether something hides the direction.
+// 1 where something hides the direction from the surface, else 0.
 float hidden_from(uint i, vec3 position, vec3 normal) {
   SkyView view = sky.views[i];
   vec3 l = view.towards.xyz;
   // Off the surface by some texels, more where the light grazes it, so that it does not shadow itself.
-  float cosine = clamp(dot(normal, l), 0.0, 1.0);
-  vec4 lifted = vec4(position + (normal * sqrt(1.0 - cosine * cosine) + l) * view.towards.w, 1.0);
+  float cosine = clamp(dot(normal, l), -1.0, 1.0);
+  vec3 lit_side = cosine < 0.0 ? -normal : normal;
+  vec4 lifted = vec4(position + (lit_side * sqrt(1.0 - cosine * cosine) + l) * view.towards.w, 1.0);
   // One texel: the maps of all directions lie differently over the surface, so that their mean has no steps.
   vec2 uv = vec2(dot(view.map_u, lifted), dot(view.map_v, lifted));
-  float depth = texelFetch(sky_depths, ivec3(ivec2(uv * sky.map_px), i), 0).r;
+  float depth = texelFetch(shadow_depths, ivec3(ivec2(uv * sky.map_px), sky.first_layer + i), 0).r;
   return depth > dot(view.map_depth, lifted) ? 1.0 : 0.0;
 }
 
@@ -45,26 +45,86 @@ float lobe_sum(vec3 direction, float alpha, vec3 normal) {
   return sum * (0.5 + 0.5 * elevation * inversesqrt(elevation * elevation + 4.0 * alpha * alpha));
 }
 
-// What `environment_light` without occlusion has too much, in the mean over the sub-frames.
-vec3 hidden_environment_light(vec3 base_color, float metallic, float alpha, vec3 position, vec3 smooth_normal, vec3 normal,
-                              vec3 to_viewer, float NoV) {
-  float roughness = sqrt(alpha);
-  vec4 dfg = textureLod(dfg_map, vec2(NoV, roughness), 0.0);
-  vec3 lobe = lobe_direction(normal, to_viewer, NoV, dfg.z);
-  float wide_alpha = max(alpha, sky.least_alpha);
-  vec3 diffuse = vec3(0.0);
-  float specular = 0.0;
+// A specular lobe of the environment's light.
+struct SkyLobe {
+  vec3 direction, normal;  // unit, world
+  float alpha;             // no narrower than the directions lie apart
+};
+
+SkyLobe sky_lobe(vec3 normal, vec3 to_viewer, float NoV, float alpha) {
+  float lean = textureLod(dfg_map, vec2(NoV, sqrt(alpha)), 0.0).z;
+  return SkyLobe(lobe_direction(normal, to_viewer, NoV, lean), normal, max(alpha, sky.least_alpha));
+}
+
+float shed_on(SkyLobe lobe, vec3 l) { return dot(lobe.normal, l) > 0.0 ? ggx_lobe(dot(lobe.direction, l), lobe.alpha) : 0.0; }
+
+float share_of(float hidden, SkyLobe lobe) {
+  return hidden / max(lobe_sum(lobe.direction, lobe.alpha, lobe.normal), 1e-9);
+}
+
+vec3 share_of(vec3 hidden, vec3 direction) { return hidden / max(sum_around(direction, 0), vec3(1e-9)); }
+
+// What of each lobe of environment_light() is hidden, in the mean over the sub-frames.
+struct HiddenShares {
+  vec3 diffuse;
+  float specular;
+#if FEATURE_DIFFUSE_TRANSMISSION
+  vec3 scattered;
+#endif
+#if FEATURE_SHEEN
+  vec3 sheen;
+#endif
+#if FEATURE_CLEARCOAT
+  float clearcoat;
+#endif
+};
+
+HiddenShares hidden_shares(Surface s) {
+  HiddenShares h;
+  h.diffuse = vec3(0.0);
+  h.specular = 0.0;
+#if FEATURE_ANISOTROPY
+  SkyLobe specular = sky_lobe(s.normal, s.to_viewer, s.NoV, sqrt(s.alpha * s.alpha_t));
+#else
+  SkyLobe specular = sky_lobe(s.normal, s.to_viewer, s.NoV, s.alpha);
+#endif
+#if FEATURE_DIFFUSE_TRANSMISSION
+  h.scattered = vec3(0.0);
+#endif
+#if FEATURE_SHEEN
+  h.sheen = vec3(0.0);
+  vec3 sheen = sheen_direction(s);
+#endif
+#if FEATURE_CLEARCOAT
+  h.clearcoat = 0.0;
+  SkyLobe clearcoat = sky_lobe(s.clearcoat_normal, s.to_viewer, s.clearcoat_NoV, s.clearcoat_alpha);
+#endif
   for (uint i = 0u; i < sky.count; ++i) {
     vec3 l = sky.views[i].towards.xyz;
-    float NoL = dot(normal, l);
-    if (NoL <= 0.0) continue;
-    vec4 hidden = sky.views[i].light * hidden_from(i, position, smooth_normal);
-    diffuse += hidden.rgb * NoL;
-    specular += hidden.a * ggx_lobe(dot(lobe, l), wide_alpha);
+    vec4 hidden = sky.views[i].light * hidden_from(i, s.position, s.smooth_normal);
+    float NoL = dot(s.normal, l);
+    h.diffuse += hidden.rgb * max(NoL, 0.0);
+    h.specular += hidden.a * shed_on(specular, l);
+#if FEATURE_DIFFUSE_TRANSMISSION
+    h.scattered += hidden.rgb * max(-NoL, 0.0);
+#endif
+#if FEATURE_SHEEN
+    h.sheen += NoL > 0.0 ? hidden.rgb * max(dot(sheen, l), 0.0) : vec3(0.0);
+#endif
+#if FEATURE_CLEARCOAT
+    h.clearcoat += hidden.a * shed_on(clearcoat, l);
+#endif
   }
-  vec3 diffuse_share = diffuse / max(sum_around(normal, 0), vec3(1e-9));
-  float specular_share = specular / max(lobe_sum(lobe, wide_alpha, normal), 1e-9);
-  Reflectance r = reflectance(base_color, metallic, dfg.xy);
-  return r.diffuse * diffuse_share * diffuse_radiance(constants.environment_from_world * normal) +
-         r.specular * specular_share * prefiltered_radiance(constants.environment_from_world * lobe, roughness);
+  h.diffuse = share_of(h.diffuse, s.normal);
+  h.specular = share_of(h.specular, specular);
+#if FEATURE_DIFFUSE_TRANSMISSION
+  h.scattered = share_of(h.scattered, -s.normal);
+#endif
+#if FEATURE_SHEEN
+  h.sheen = share_of(h.sheen, sheen);
+#endif
+#if FEATURE_CLEARCOAT
+  h.clearcoat = share_of(h.clearcoat, clearcoat);
+#endif
+  return h;
 }

@@ -1,4 +1,5 @@
 #include "surface/constants.glsl"
+#include "surface/needs.glsl"
 
 layout(location = 0) in vec3 to_viewer_world;
 layout(location = 1) in vec3 normal_world;
@@ -6,7 +7,7 @@ layout(location = 2) in vec4 tangent_world;
 layout(location = 3) in vec4 uv01;
 layout(location = 4) in vec4 vertex_color;
 layout(location = 5) flat in SurfaceConstants constants;
-#if FEATURE_LIGHTS
+#if NEEDS_POSITION
 layout(location = 14) in vec3 position_world;
 #else
 const vec3 position_world = vec3(0.0);
@@ -25,10 +26,23 @@ float quad_change2(vec3 value) {
 }
 
 void main() {
-  Attributes a = Attributes(to_viewer_world, position_world, normal_world, tangent_world, uv01, 2.0 * dFdx(uv01), 2.0 * dFdy(uv01),
-                            vertex_color, quad_change2(normalize(normal_world)), gl_FrontFacing, 0.0);
+  Attributes a;
+  a.to_viewer_world = to_viewer_world;
+  a.position_world = position_world;
+  a.normal_world = normal_world;
+  a.tangent_world = tangent_world;
+  a.uv01 = uv01;
+  a.uv01_dx = 2.0 * dFdx(uv01);
+  a.uv01_dy = 2.0 * dFdy(uv01);
+  a.color = vertex_color;
+  a.normal_change2 = quad_change2(normalize(normal_world));
+  a.front = gl_FrontFacing;
+#if FEATURE_TRANSMISSION
+  a.world_from_model_scale = 1.0;
+  a.curvature2 = 0.0;
+#endif
   Surface s = read_surface(a);
-  vec3 radiance = surface_radiance(s);
+  vec3 radiance = surface_radiance(s).rgb;
   const float largest_half = 65504.0;
   radiance = min(radiance * constants.atlas.z, vec3(largest_half));
 #if FEATURE_ALPHA_BLEND

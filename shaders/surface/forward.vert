@@ -1,5 +1,6 @@
 // Blended surfaces, lines and points: shaded where they are drawn.
 #include "interface/draw_block.glsl"
+#include "surface/needs.glsl"
 #include "surface/tangent_frame.glsl"
 #include "surface/write_constants.glsl"
 
@@ -18,18 +19,18 @@ layout(location = 2) out vec4 tangent_world;
 layout(location = 3) out vec4 uv01;
 layout(location = 4) out vec4 vertex_color;
 layout(location = 5) flat out SurfaceConstants constants;
-#if FEATURE_LIGHTS
+#if NEEDS_POSITION
 layout(location = 14) out vec3 position_world;
 #endif
 
 void main() {
   vec4 world = draw.world_from_model * vec4(position_model, 1.0);
   to_viewer_world = frame.eye_world.w > 0.5 ? frame.eye_world.xyz - world.xyz : frame.towards_viewer_world.xyz;
-#if FEATURE_LIGHTS
+#if NEEDS_POSITION
   position_world = world.xyz;
 #endif
   normal_world = with_length_of(normal_model, mat3(draw.world_from_model_normal) * normal_model);
-#if FEATURE_NORMAL_MAP
+#if NEEDS_TANGENT
   tangent_world = vec4(with_length_of(tangent_model.xyz, mat3(draw.world_from_model) * tangent_model.xyz),
                        tangent_model.w * draw.handedness);
 #else

@@ -4,7 +4,9 @@
 
 layout(std140, binding = 4) uniform LightUniform { LightBlock lights; };
 layout(binding = 14) uniform sampler2DArrayShadow shadow_maps;
+#if !FEATURE_ENVIRONMENT_VISIBILITY
 layout(binding = 15) uniform sampler2DArray shadow_depths;  // the same texels, without comparison
+#endif
 
 // Karis 2013, "Real Shading in Unreal Engine 4": of the disc's points the one nearest to the mirror direction stands for all.
 vec3 representative_direction(vec3 towards, float radius_rad, vec3 mirror) {
@@ -26,25 +28,120 @@ float disc_gain(float alpha, float radius_rad, float VoH) {
   return 1.0 + q * (0.5 * PI + q);
 }
 
-// `towards`: unit, to the middle of a disc of angular radius `radius_rad`; `irradiance`: of a plane facing it.
-vec3 disc_light(vec3 towards, float radius_rad, vec3 irradiance, vec3 f0, vec3 diffuse_albedo, vec2 dfg, float alpha,
-                vec3 normal, vec3 to_viewer, float NoV) {
-  vec3 mirror = reflect(-to_viewer, normal);
-  vec3 l = representative_direction(towards, radius_rad, mirror);
-  vec3 h = normalize(l + to_viewer);
+// What all lights share at a surface.
+struct Lit {
+  vec3 f0, f90;
+  vec3 compensation;  // of the specular lobe
+  BodyShares body;
+};
+
+Lit lit_surface(Surface s) {
+  Lit lit;
+  lit.f0 = mix(s.f0, s.metal_f0, s.metallic);
+  lit.f90 = mix(s.f90, vec3(1.0), s.metallic);
+#if FEATURE_PHONG
+  lit.compensation = vec3(1.0);
+  lit.body = body_shares(s, vec3(1.0 - s.metallic));
+#elif FEATURE_SCHLICK_BECKMANN
+  lit.compensation = vec3(1.0);
+  lit.body = body_shares(s, (1.0 - s.metallic) * (1.0 - F_Schlick(s.NoV, s.f0, s.f90)));
+#else
+#if FEATURE_ANISOTROPY
+  float alpha = sqrt(s.alpha * s.alpha_t);
+#else
+  float alpha = s.alpha;
+#endif
+  vec2 dfg = textureLod(dfg_map, vec2(s.NoV, sqrt(alpha)), 0.0).xy;
+  lit.compensation = multiple_scattering(lit.f0, dfg);
+  lit.body = body_shares(s, reflectance(s, dfg).body);
+#endif
+  return lit;
+}
+
+// A specular lobe times n.l, without Fresnel's term, of a disc whose representative direction is `l`.
+float specular_lobe(Surface s, vec3 normal, float NoV, float alpha, vec3 l, float radius_rad, float VoH, vec3 h) {
   float NoL = dot(normal, l);
-  float VoH = clamp(dot(to_viewer, h), 0.0, 1.0);
-  vec3 specular = vec3(0.0);
-  if (NoL > 0.0) {
-    // A perfect mirror's lobe has no width of its own.
-    float a = max(alpha, 1e-4);
-    float D = D_GGX(clamp(dot(normal, h), 0.0, 1.0), a) / disc_gain(a, radius_rad, VoH);
-    float e = dfg.x + dfg.y;
-    vec3 compensation = 1.0 + f0 * ((1.0 - e) / max(e, MIN_COSINE));  // as specular_albedo()
-    specular = D * V_SmithGGXCorrelated(NoV, NoL, a) * NoL * F_Schlick(VoH, f0) * compensation;
+  if (NoL <= 0.0) return 0.0;
+  // A perfect mirror's lobe has no width of its own.
+  float a = max(alpha, 1e-4);
+  float NoH = clamp(dot(normal, h), 0.0, 1.0);
+#if FEATURE_PHONG
+  return (layers.is_phong != 0u ? phong_lobe(dot(reflect(-l, normal), s.to_viewer), a) : blinn_phong_lobe(NoH, a)) * NoL;
+#elif FEATURE_SCHLICK_BECKMANN
+  return D_GGX(NoH, a) / disc_gain(a, radius_rad, VoH) * V_SchlickBeckmann(NoV, NoL, sqrt(a)) * NoL;
+#else
+  return D_GGX(NoH, a) / disc_gain(a, radius_rad, VoH) * V_SmithGGXCorrelated(NoV, NoL, a) * NoL;
+#endif
+}
+
+#if FEATURE_ANISOTROPY
+float anisotropic_lobe(Surface s, vec3 l, float radius_rad, float VoH, vec3 h) {
+  float NoL = dot(s.normal, l);
+  if (NoL <= 0.0) return 0.0;
+  vec3 b = cross(s.normal, s.tangent);
+  float alpha = max(s.alpha, 1e-4);
+  float D = D_GGX_anisotropic(clamp(dot(s.normal, h), 0.0, 1.0), dot(s.tangent, h), dot(b, h), s.alpha_t, alpha);
+  float V = V_SmithGGXAnisotropic(s.NoV, NoL, dot(s.tangent, s.to_viewer), dot(b, s.to_viewer), dot(s.tangent, l), dot(b, l),
+                                  s.alpha_t, alpha);
+  return D / disc_gain(sqrt(alpha * s.alpha_t), radius_rad, VoH) * V * NoL;
+}
+#endif
+
+#if FEATURE_TRANSMISSION
+// Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces", thin-walled as in KHR_materials_transmission: the
+// lobe of a light behind the surface is that of its mirror image before it.
+float transmitted_lobe(Surface s, vec3 towards, float radius_rad) {
+  vec3 image = reflect(towards, s.normal);
+  float a = max(s.transmitted_roughness * s.transmitted_roughness, 1e-3);
+  vec3 l = representative_direction(image, radius_rad, reflect(-s.to_viewer, s.normal));
+  vec3 h = normalize(l + s.to_viewer);
+  float NoL = dot(s.normal, l);
+  if (NoL <= 0.0) return 0.0;
+  float VoH = clamp(dot(s.to_viewer, h), 0.0, 1.0);
+  return D_GGX(clamp(dot(s.normal, h), 0.0, 1.0), a) / disc_gain(a, radius_rad, VoH) *
+         V_SmithGGXCorrelated(s.NoV, NoL, a) * NoL;
+}
+#endif
+
+// `towards`: unit, to the middle of a disc of angular radius `radius_rad`; `irradiance`: of a plane facing it.
+void add_disc_light(Surface s, Lit lit, vec3 towards, float radius_rad, vec3 irradiance, inout Leaving light) {
+  vec3 l = representative_direction(towards, radius_rad, reflect(-s.to_viewer, s.normal));
+  vec3 h = normalize(l + s.to_viewer);
+  float VoH = clamp(dot(s.to_viewer, h), 0.0, 1.0);
+#if FEATURE_ANISOTROPY
+  float lobe = anisotropic_lobe(s, l, radius_rad, VoH, h);
+#else
+  float lobe = specular_lobe(s, s.normal, s.NoV, s.alpha, l, radius_rad, VoH, h);
+#endif
+#if FEATURE_PHONG
+  light.specular += irradiance * lobe * lit.f0;
+#else
+  light.specular += irradiance * lobe * F_Schlick(VoH, lit.f0, lit.f90) * lit.compensation;
+#endif
+  float cosine = dot(s.normal, towards);
+  light.diffuse += irradiance * lit.body.reflected * (INV_PI * max(cosine, 0.0));
+#if FEATURE_DIFFUSE_TRANSMISSION
+  light.diffuse += irradiance * lit.body.scattered * (INV_PI * max(-cosine, 0.0));
+#endif
+#if FEATURE_TRANSMISSION
+  if (cosine < 0.0)
+    light.through += irradiance * lit.body.seen * exp(-layers.absorption.rgb * s.thickness_m) * transmitted_lobe(s, towards, radius_rad);
+#endif
+#if FEATURE_SHEEN
+  if (cosine > 0.0) {
+    vec3 half_way = normalize(towards + s.to_viewer);
+    float alpha = s.sheen_roughness * s.sheen_roughness;
+    float sheen = D_Charlie(clamp(dot(s.normal, half_way), 0.0, 1.0), alpha) * V_Charlie(s.NoV, cosine, alpha);
+    light.sheen += irradiance * s.sheen_color * (sheen * cosine);
   }
-  float cosine = max(dot(normal, towards), 0.0);
-  return irradiance * (diffuse_albedo * (INV_PI * cosine) + specular);
+#endif
+#if FEATURE_CLEARCOAT
+  vec3 coat_l = representative_direction(towards, radius_rad, reflect(-s.to_viewer, s.clearcoat_normal));
+  vec3 coat_h = normalize(coat_l + s.to_viewer);
+  float coat_VoH = clamp(dot(s.to_viewer, coat_h), 0.0, 1.0);
+  light.clearcoat += irradiance * F_Schlick(coat_VoH, vec3(0.04), vec3(1.0)) *
+                     specular_lobe(s, s.clearcoat_normal, s.clearcoat_NoV, s.clearcoat_alpha, coat_l, radius_rad, coat_VoH, coat_h);
+#endif
 }
 
 // Which of the six views of a point light sees a direction from it: +X -X +Y -Y +Z -Z.
@@ -72,8 +169,9 @@ float light_visibility(LightRow light, vec3 position, vec3 normal, vec3 to_light
   if (light.shadow.x < 0.0) return 1.0;
   // Off the surface by some texels, more where the light grazes it, so that it does not shadow itself.
   float texel_m = light.shadow.z * (light.place.w > 0.5 ? distance_m : 1.0);
-  float cosine = clamp(dot(normal, to_light), 0.0, 1.0);
-  vec3 lifted = position + (normal * sqrt(1.0 - cosine * cosine) + to_light) * (2.0 * texel_m);
+  float cosine = clamp(dot(normal, to_light), -1.0, 1.0);
+  vec3 lit_side = cosine < 0.0 ? -normal : normal;
+  vec3 lifted = position + (lit_side * sqrt(1.0 - cosine * cosine) + to_light) * (2.0 * texel_m);
   int view = int(light.shadow.x) + (light.shadow.w > 1.0 ? cube_face(lifted - light.eye.xyz) : 0);
   vec4 clip = lights.shadow_from_world[view] * vec4(lifted, 1.0);
   vec3 at = clip.xyz / clip.w;
@@ -106,18 +204,15 @@ float light_visibility(LightRow light, vec3 position, vec3 normal, vec3 to_light
   return lit / float(kTaps);
 }
 
-vec3 direct_light(vec3 base_color, float metallic, float alpha, vec3 position, vec3 normal, vec3 to_viewer, float NoV) {
-  vec2 dfg = textureLod(dfg_map, vec2(NoV, sqrt(alpha)), 0.0).xy;
-  vec3 f0 = mix(vec3(0.04), base_color, metallic);
-  vec3 diffuse_albedo = reflectance(base_color, metallic, dfg).diffuse;
-  vec3 sum = vec3(0.0);
+void add_direct_light(Surface s, inout Leaving leaving) {
+  Lit lit = lit_surface(s);
   for (uint i = 0u; i < lights.count; ++i) {
     LightRow light = lights.lights[i];
     vec3 to_light = light.place.xyz;
     float distance_m = 1.0, radius_rad = light.axis.w;
     vec3 irradiance = light.intensity.rgb;
     if (light.place.w > 0.5) {
-      to_light -= position;
+      to_light -= s.position;
       distance_m = max(length(to_light), 1e-6);
       to_light /= distance_m;
       // KHR_lights_punctual: inverse square, a window at the range, the falloff of the cone. Within a sphere the light grows
@@ -129,9 +224,12 @@ vec3 direct_light(vec3 base_color, float metallic, float alpha, vec3 position, v
       radius_rad = atan(light.axis.w, distance_m);
     }
     if (irradiance == vec3(0.0)) continue;
-    vec3 light_sum = disc_light(to_light, radius_rad, irradiance, f0, diffuse_albedo, dfg, alpha, normal, to_viewer, NoV);
-    if (light_sum == vec3(0.0)) continue;
-    sum += light_sum * light_visibility(light, position, normal, to_light, distance_m);
+#if !(FEATURE_TRANSMISSION || FEATURE_DIFFUSE_TRANSMISSION || FEATURE_CLEARCOAT)
+    // Nothing reaches a surface that is turned away, but for the edge of a disc.
+    if (dot(s.normal, to_light) < -sin(radius_rad)) continue;
+#endif
+    irradiance *= light_visibility(light, s.position, s.normal, to_light, distance_m);
+    if (irradiance == vec3(0.0)) continue;
+    add_disc_light(s, lit, to_light, radius_rad, irradiance, leaving);
   }
-  return sum;
 }

@@ -8,24 +8,19 @@
 #include "surface/lights.glsl"
 #endif
 
-vec3 surface_radiance(Surface s) {
-#if FEATURE_UNLIT
-  return s.base_color.rgb;
+// xyz: radiance, premultiplied by w: opacity, 1 but where a transparent background is seen through the surface.
+vec4 surface_radiance(Surface s) {
+#if FEATURE_EMISSION && FEATURE_UNLIT
+  return vec4(0.0, 0.0, 0.0, 1.0);
+#elif FEATURE_EMISSION
+  return vec4(s.emissive, 1.0);
+#elif FEATURE_UNLIT
+  return vec4(s.base_color.rgb, 1.0);
 #else
-#if FEATURE_SKY_VISIBILITY
-  const float occlusion = 1.0;  // as path tracers do: a map of it would darken again
-#else
-  float occlusion = s.occlusion;
-#endif
-  vec3 radiance = s.emissive + environment_light(s.base_color.rgb, s.metallic, s.alpha, occlusion, s.normal,
-                                                 s.to_viewer, s.NoV);
-#if FEATURE_SKY_VISIBILITY
-  radiance -= hidden_environment_light(s.base_color.rgb, s.metallic, s.alpha, s.position, s.smooth_normal, s.normal,
-                                       s.to_viewer, s.NoV);
-#endif
+  Leaving light = environment_light(s);
 #if FEATURE_LIGHTS
-  radiance += direct_light(s.base_color.rgb, s.metallic, s.alpha, s.position, s.normal, s.to_viewer, s.NoV);
+  add_direct_light(s, light);
 #endif
-  return radiance;
+  return layered(s, light);
 #endif
 }

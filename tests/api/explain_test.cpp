@@ -60,7 +60,7 @@ TEST(Explain, UnknownKeysNameTheAllowedOnes) {
 
 TEST(Explain, ExclusionsBlameOneMember) {
   EXPECT_THAT(problems_of(R"({"camera":{"orbit":{},"lookAt":{"eye":[1,1,1]}}})"),
-              ElementsAre(at("/camera/lookAt", "give one of orbit, lookAt and gltf")));
+              ElementsAre(at("/camera/lookAt", "give one of orbit, lookAt, intrinsics and gltf")));
   EXPECT_THAT(problems_of(R"({"camera":{"gltf":0,"fovYDegrees":30}})"),
               ElementsAre(at("/camera/fovYDegrees", "a glTF camera has its own")));
   EXPECT_THAT(problems_of(R"({"output":{"quality":"high","samples":3}})"),

@@ -13,7 +13,7 @@
 
 namespace furnace::api {
 
-// Parses with the parts "model.gltf" (an empty glTF document) and "sky.hdr".
+// Parses with the parts "model.gltf" (an empty glTF document), "sky.hdr", "a.png" and "b.png".
 RenderSpec parse(std::string_view json, const RequestLimits& limits = {});
 ContentHash hash_of(std::string_view json);
 // The error of a request that must be refused; a test failure and an empty Error when it is accepted.

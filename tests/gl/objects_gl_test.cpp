@@ -97,24 +97,25 @@ TEST_F(ObjectsGlTest, EveryProgramBuilds) {
     EXPECT_NO_THROW(build_program(context_, library, {vertex, fragment, features}))
         << fragment << " " << features;
   };
-  // Each combination of two features of a material with none or all of the others.
+  // Each combination of two features of a material, and all but one.
   constexpr FeatureSet kMaterialFeatures = kFeatureVeil - 1;
+  const auto surface_builds = [&](FeatureSet features) {
+    builds("surface/deferred.vert", "surface/deferred.frag", features);
+    builds("surface/forward.vert", "surface/forward.frag", features);
+  };
   for (FeatureSet a = 1; a <= kMaterialFeatures; a <<= 1) {
-    for (FeatureSet b = a; b <= kMaterialFeatures; b <<= 1) {
-      for (const FeatureSet features : {a | b, kMaterialFeatures & ~(a | b)}) {
-        builds("surface/deferred.vert", "surface/deferred.frag",
-               features | (b == a ? FeatureSet(kFeatureVeil) : 0));
-        builds("surface/forward.vert", "surface/forward.frag", features);
-      }
-    }
+    for (FeatureSet b = a; b <= kMaterialFeatures; b <<= 1) surface_builds(a | b);
+    surface_builds(kMaterialFeatures & ~a);
+    builds("surface/deferred.vert", "surface/deferred.frag", a | kFeatureVeil);
   }
   for (const FeatureSet features :
-       {0u, FeatureSet(kFeatureAlphaMask), kFeatureAlphaMask | kFeatureMaterialMaps})
+       {FeatureSet(0), FeatureSet(kFeatureAlphaMask), kFeatureAlphaMask | kFeatureMaterialMaps})
     builds("visibility/visibility.vert", "visibility/visibility.frag", features);
   for (const char* screen : {"visibility/shares.frag", "visibility/select.frag"})
     builds("screen/fullscreen.vert", screen, 0);
   for (const char* screen : {"screen/accumulate.frag", "screen/resolve.frag"}) {
-    for (const FeatureSet sky : {0u, FeatureSet(kFeatureSky), FeatureSet(kFeatureSky | kFeatureMagnified)}) {
+    for (const FeatureSet sky :
+         {FeatureSet(0), FeatureSet(kFeatureSky), FeatureSet(kFeatureSky | kFeatureMagnified)}) {
       builds("screen/fullscreen.vert", screen, sky);
       builds("screen/fullscreen.vert", screen, sky | kFeatureVeil);
     }
@@ -177,7 +178,9 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
               "#include \"interface/light_block.glsl\"\n#include \"interface/sky_block.glsl\"\n"
               "layout(std140, binding = 3) uniform GroundUniform { GroundBlock ground; };\n"
               "layout(std140, binding = 5) uniform LightUniform { LightBlock lights; };\n"
-              "layout(std140, binding = 6) uniform SkyUniform { SkyBlock sky; };\n"
+              "#include \"interface/layer_block.glsl\"\n"
+              "layout(std140, binding = 6) uniform LayerUniform { LayerBlock layers; };\n"
+              "layout(std140, binding = 7) uniform SkyUniform { SkyBlock sky; };\n"
               "layout(std430, binding = 4) buffer Out { float result; };\n"
               "void main() { result = frame.point_size_samples + draw.handedness + material.metallic + "
               "ground.level; }\n");
@@ -199,8 +202,8 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
        FURNACE_MEMBER(MaterialBlock, normal_scale), FURNACE_MEMBER(MaterialBlock, occlusion_strength),
        FURNACE_MEMBER(MaterialBlock, alpha_cutoff), FURNACE_MEMBER(MaterialBlock, double_sided),
        FURNACE_MEMBER(MaterialBlock, uv_sets), FURNACE_MEMBER(MaterialBlock, map_width),
-       FURNACE_MEMBER(MaterialBlock, map_height), FURNACE_MEMBER(MaterialBlock, pad_0),
-       FURNACE_MEMBER(MaterialBlock, pad_1), FURNACE_MEMBER(MaterialBlock, pad_2),
+       FURNACE_MEMBER(MaterialBlock, map_height), FURNACE_MEMBER(MaterialBlock, shadow_opacity),
+       FURNACE_MEMBER(MaterialBlock, pad_0), FURNACE_MEMBER(MaterialBlock, pad_1),
        FURNACE_MEMBER(MaterialBlock, uv_rows)},
       sizeof(MaterialBlock));
   expect_layout(program.id(), "GroundUniform",
@@ -209,11 +212,21 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
                  FURNACE_MEMBER(GroundBlock, pad_1), FURNACE_MEMBER(GroundBlock, light),
                  FURNACE_MEMBER(GroundBlock, weight)},
                 sizeof(GroundBlock));
+  using gpu::LayerBlock;
+  expect_layout(program.id(), "LayerUniform",
+                {FURNACE_MEMBER(LayerBlock, specular), FURNACE_MEMBER(LayerBlock, clearcoat),
+                 FURNACE_MEMBER(LayerBlock, sheen), FURNACE_MEMBER(LayerBlock, anisotropy),
+                 FURNACE_MEMBER(LayerBlock, iridescence), FURNACE_MEMBER(LayerBlock, transmission),
+                 FURNACE_MEMBER(LayerBlock, absorption), FURNACE_MEMBER(LayerBlock, diffuse_transmission),
+                 FURNACE_MEMBER(LayerBlock, glossy), FURNACE_MEMBER(LayerBlock, uv_sets),
+                 FURNACE_MEMBER(LayerBlock, is_phong), FURNACE_MEMBER(LayerBlock, pad_0),
+                 FURNACE_MEMBER(LayerBlock, pad_1), FURNACE_MEMBER(LayerBlock, uv_rows)},
+                sizeof(LayerBlock));
   using gpu::SkyBlock;
   using gpu::SkyView;
   expect_layout(program.id(), "SkyUniform",
                 {FURNACE_MEMBER(SkyBlock, count), FURNACE_MEMBER(SkyBlock, least_alpha),
-                 FURNACE_MEMBER(SkyBlock, map_px), FURNACE_MEMBER(SkyBlock, pad_0),
+                 FURNACE_MEMBER(SkyBlock, map_px), FURNACE_MEMBER(SkyBlock, first_layer),
                  Member{"towards", offsetof(SkyBlock, views) + offsetof(SkyView, towards)},
                  Member{"light", offsetof(SkyBlock, views) + offsetof(SkyView, light)},
                  Member{"map_u", offsetof(SkyBlock, views) + offsetof(SkyView, map_u)},
@@ -239,6 +252,13 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
                  FURNACE_MEMBER(FrameBlock, background_from_world),
                  FURNACE_MEMBER(FrameBlock, origin_from_ndc),
                  FURNACE_MEMBER(FrameBlock, ground_from_ndc),
+                 FURNACE_MEMBER(FrameBlock, backdrop_from_world),
+                 FURNACE_MEMBER(FrameBlock, background_top),
+                 FURNACE_MEMBER(FrameBlock, background_bottom),
+                 FURNACE_MEMBER(FrameBlock, backdrop_kind),
+                 FURNACE_MEMBER(FrameBlock, background_share),
+                 FURNACE_MEMBER(FrameBlock, pad_0),
+                 FURNACE_MEMBER(FrameBlock, pad_1),
                  FURNACE_MEMBER(FrameBlock, eye_world),
                  FURNACE_MEMBER(FrameBlock, towards_viewer_world),
                  FURNACE_MEMBER(FrameBlock, level_tiles),

@@ -77,12 +77,26 @@ TEST(ShaderLibrary, FeatureBitsAreTheListOfTheInterface) {
       {kFeatureVertexColor, "FEATURE_VERTEX_COLOR"},
       {kFeatureSharpReflection, "FEATURE_SHARP_REFLECTION"},
       {kFeatureLights, "FEATURE_LIGHTS"},
+      {kFeatureLayerMaps, "FEATURE_LAYER_MAPS"},
+      {kFeatureSpecular, "FEATURE_SPECULAR"},
+      {kFeatureGlossy, "FEATURE_GLOSSY"},
+      {kFeatureAnisotropy, "FEATURE_ANISOTROPY"},
+      {kFeatureIridescence, "FEATURE_IRIDESCENCE"},
+      {kFeatureClearcoat, "FEATURE_CLEARCOAT"},
+      {kFeatureCoatNormalMap, "FEATURE_COAT_NORMAL_MAP"},
+      {kFeatureSheen, "FEATURE_SHEEN"},
+      {kFeatureDiffuseTransmission, "FEATURE_DIFFUSE_TRANSMISSION"},
+      {kFeatureTransmission, "FEATURE_TRANSMISSION"},
+      {kFeatureSchlickBeckmann, "FEATURE_SCHLICK_BECKMANN"},
+      {kFeaturePhong, "FEATURE_PHONG"},
       {kFeatureVeil, "FEATURE_VEIL"},
       {kFeatureSky, "FEATURE_SKY"},
       {kFeatureMagnified, "FEATURE_MAGNIFIED"},
       {kFeatureGroundProjection, "FEATURE_GROUND_PROJECTION"},
       {kFeatureGroundShadow, "FEATURE_GROUND_SHADOW"},
-      {kFeatureGrade, "FEATURE_GRADE"}};
+      {kFeatureGrade, "FEATURE_GRADE"},
+      {kFeatureBloom, "FEATURE_BLOOM"},
+      {kFeatureEmission, "FEATURE_EMISSION"}};
   ASSERT_EQ(names.size(), std::size(expected));
   for (std::size_t bit = 0; bit < names.size(); ++bit) {
     EXPECT_EQ(expected[bit].first, FeatureSet(1) << bit);

@@ -29,6 +29,10 @@ RenderOptions everything() {
   options.aperture = 8;
   options.shutter_seconds = 0.01;
   options.iso = 400;
+  options.f_stop = 1.4;
+  options.focus_distance_m = 2.5;
+  options.bloom_intensity = 0.5;
+  options.pixel_filter = "gaussian";
   options.white_balance_kelvin = 3200;
   options.white_balance_tint = -7;
   options.contrast = 1.25;
@@ -38,6 +42,7 @@ RenderOptions everything() {
   options.background = "#ff0080";
   options.sun = "keep";
   options.visibility = "on";
+  options.shading_model = "phong";
   options.ground = true;
   return options;
 }
@@ -45,6 +50,17 @@ RenderOptions everything() {
 TEST(RenderOptions, NoOptionIsTheEmptyDocument) {
   EXPECT_EQ(request_document({}, ""), "{}");
   EXPECT_EQ(request_document({}, "file:a \"b\".glb"), R"({"scene":{"model":"file:a \"b\".glb"}})");
+}
+
+TEST(RenderOptions, AVariantIsOfAModel) {
+  RenderOptions options;
+  options.variant = "midnight";
+  EXPECT_EQ(request_document(options, "file:shoe.glb"),
+            R"({"scene":{"model":"file:shoe.glb","variant":"midnight"}})");
+  EXPECT_EQ(request_document(options, ""), "{}");
+  RenderSpec spec;
+  apply_options(options, parsed("{}"), spec);
+  EXPECT_EQ(spec.scene.variant, "midnight");
 }
 
 TEST(RenderOptions, EveryOptionIsUnderstoodByTheApi) {
@@ -61,6 +77,12 @@ TEST(RenderOptions, EveryOptionIsUnderstoodByTheApi) {
   EXPECT_EQ(spec.camera.exposure_ev, 1.5);
   EXPECT_NEAR(std::get<PhysicalExposure>(spec.camera.metering).ev100, 10.643856,
               1e-6);  // f/8, 1/100 s, ISO 400
+  ASSERT_TRUE(spec.camera.depth_of_field);
+  EXPECT_EQ(spec.camera.depth_of_field->f_stop, 1.4);
+  EXPECT_EQ(spec.camera.depth_of_field->focus_distance_m, 2.5);
+  ASSERT_TRUE(spec.output.bloom);
+  EXPECT_EQ(spec.output.bloom->intensity, 0.5);
+  EXPECT_EQ(spec.output.pixel_filter.kind, PixelFilterKind::kGaussian);
   EXPECT_EQ(spec.output.grade, (ColorGrade{3200, -7, 1.25, 0.5}));
   EXPECT_EQ(std::get<BuiltinName>(spec.environment.map).name, "overcast");
   const glm::vec3 color = std::get<ColorBackground>(spec.environment.background).color;
@@ -69,6 +91,7 @@ TEST(RenderOptions, EveryOptionIsUnderstoodByTheApi) {
   EXPECT_NEAR(color.z, 0.2158605, 1e-6);  // sRGB 128 as published in many tables
   EXPECT_EQ(spec.environment.sun, SunMode::kKeep);
   EXPECT_EQ(spec.environment.visibility, EnvironmentVisibility::kOn);
+  EXPECT_EQ(spec.scene.shading_model, ShadingModel::kPhong);
   EXPECT_TRUE(spec.environment.ground);
 }
 

@@ -38,6 +38,10 @@ TEST(Packing, OpaqueMaterialsHaveNoAlpha) {
   EXPECT_EQ(pack_material(material).base_color.a, 1);
 }
 
+unsigned bit_of(TextureUse use) {
+  return 1u << unsigned(use);
+}
+
 TEST(Packing, UvSetsAreBitsBySlot) {
   Material material;
   material.texture(TextureUse::kNormal) = TextureSlot{};
@@ -45,7 +49,7 @@ TEST(Packing, UvSetsAreBitsBySlot) {
   material.texture(TextureUse::kEmissive) = TextureSlot{};
   material.texture(TextureUse::kEmissive)->uv_set = 1;
   material.texture(TextureUse::kBaseColor) = TextureSlot{};
-  EXPECT_EQ(pack_material(material).uv_sets, (1u << kNormal) | (1u << kEmissive));
+  EXPECT_EQ(pack_material(material).uv_sets, bit_of(TextureUse::kNormal) | bit_of(TextureUse::kEmissive));
 }
 
 glm::vec2 transformed(const UvTransform& transform, glm::vec2 uv) {
@@ -54,8 +58,52 @@ glm::vec2 transformed(const UvTransform& transform, glm::vec2 uv) {
   material.texture(TextureUse::kOcclusion)->transform = transform;
   const MaterialBlock block = pack_material(material);
   const glm::vec3 homogeneous(uv, 1);
-  return {glm::dot(glm::vec3(block.uv_rows[2 * kOcclusion]), homogeneous),
-          glm::dot(glm::vec3(block.uv_rows[2 * kOcclusion + 1]), homogeneous)};
+  constexpr auto kRow = 2 * std::size_t(TextureUse::kOcclusion);
+  return {glm::dot(glm::vec3(block.uv_rows[kRow]), homogeneous),
+          glm::dot(glm::vec3(block.uv_rows[kRow + 1]), homogeneous)};
+}
+
+TEST(Packing, LayersOfAPlainMaterialChangeNothing) {
+  const LayerBlock block = pack_layers(Material{});
+  EXPECT_FLOAT_EQ(block.specular.r, 0.04f);
+  EXPECT_EQ(block.specular.w, 1);
+  EXPECT_EQ(block.clearcoat.x, 0);
+  EXPECT_EQ(block.transmission.x, 0);
+  EXPECT_EQ(glm::vec3(block.absorption), glm::vec3(0));
+  EXPECT_EQ(pack_material(Material{}).shadow_opacity, 1);
+}
+
+TEST(Packing, AbsorptionLeavesTheAttenuationColourAfterItsDistance) {
+  Material material;
+  material.attenuation_distance_m = 0.5f;
+  material.attenuation_color = {0.25f, 1, 0};
+  const LayerBlock block = pack_layers(material);
+  EXPECT_NEAR(std::exp(-block.absorption.r * 0.5f), 0.25, 1e-6);
+  EXPECT_EQ(block.absorption.g, 0);
+  EXPECT_TRUE(std::isfinite(block.absorption.b));
+}
+
+TEST(Packing, LayersReadTheirOwnUvSets) {
+  Material material;
+  material.texture(TextureUse::kSheenColor) = TextureSlot{};
+  material.texture(TextureUse::kSheenColor)->uv_set = 1;
+  material.texture(TextureUse::kNormal) = material.texture(TextureUse::kSheenColor);
+  EXPECT_EQ(pack_layers(material).uv_sets << kCoreTextures, bit_of(TextureUse::kSheenColor));
+}
+
+TEST(Packing, AnIorOfZeroReflectsEverything) {
+  Material material;
+  material.ior = 0;
+  EXPECT_EQ(pack_layers(material).specular.r, 1);
+}
+
+TEST(Packing, GlassKeepsLittleOfTheLight) {
+  Material material;
+  material.metallic = 0;
+  material.transmission = 1;
+  EXPECT_NEAR(pack_material(material).shadow_opacity, 0.08, 1e-6);
+  material.texture(TextureUse::kTransmission) = TextureSlot{};
+  EXPECT_EQ(pack_material(material).shadow_opacity, 1);
 }
 
 TEST(Packing, UvTransformScalesThenRotatesThenMoves) {

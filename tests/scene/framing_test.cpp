@@ -354,5 +354,26 @@ TEST_F(GltfView, MissingCamerasAndFlatNodesAreErrors) {
   expect_error({0}, "scale of zero");
 }
 
+// u = cx + fx x / z, v = cy - fy y / z of a camera that looks along -Z.
+TEST(Framing, ACalibratedCameraPutsPointsWhereItsMatrixDoes) {
+  IntrinsicsCamera camera;
+  camera.focal_px = {700, 650};
+  camera.principal_px = {300, 260};
+  camera.picture_px = {640, 480};
+  camera.translation = {0.5f, -1, 4};
+  for (const Extent picture : {Extent{640, 480}, Extent{320, 240}}) {
+    const View view = make_view({camera, {}, 0}, Scene{}, picture);
+    for (const glm::vec3 in_camera :
+         {glm::vec3(0, 0, -2), glm::vec3(0.7f, -0.4f, -3), glm::vec3(-1, 0.5f, -5)}) {
+      const glm::vec4 clip =
+          view.clip_from_view * view.view_from_world * glm::vec4(in_camera + camera.translation, 1);
+      const double u = (double(clip.x / clip.w) * 0.5 + 0.5) * 640,
+                   v = (0.5 - double(clip.y / clip.w) * 0.5) * 480;
+      EXPECT_NEAR(u, 300 + 700 * in_camera.x / -in_camera.z, 1e-2);
+      EXPECT_NEAR(v, 260 - 650 * in_camera.y / -in_camera.z, 1e-2);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace furnace

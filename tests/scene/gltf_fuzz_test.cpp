@@ -27,7 +27,16 @@ ModelBundle rich_bundle() {
   const int image = builder.add(
       "images", {{"bufferView", builder.add_view<std::uint8_t>({0x89, 'P', 'N', 'G', 13, 10, 26, 10})}});
   const int texture = builder.add("textures", {{"source", image}});
-  const int material = builder.add("materials", {{"normalTexture", {{"index", texture}}}});
+  const Json layers = {
+      {"KHR_materials_ior", {{"ior", 1.5}}},
+      {"KHR_materials_clearcoat", {{"clearcoatFactor", 1}, {"clearcoatNormalTexture", {{"index", texture}}}}},
+      {"KHR_materials_anisotropy", {{"anisotropyStrength", 1}}},
+      {"KHR_materials_volume", {{"attenuationDistance", 1}, {"attenuationColor", {1, 0.5, 1}}}},
+      {"KHR_materials_pbrSpecularGlossiness", {{"glossinessFactor", 0.5}}}};
+  const int material =
+      builder.add("materials", {{"normalTexture", {{"index", texture}}}, {"extensions", layers}});
+  builder.json["extensions"]["KHR_materials_variants"]["variants"].push_back({{"name", "a"}});
+  const Json mappings = Json::array({{{"material", material}, {"variants", {0}}}});
   const int skin = builder.add(
       "skins", {{"joints", {1}},
                 {"inverseBindMatrices",
@@ -41,6 +50,7 @@ ModelBundle rich_bundle() {
                   {"WEIGHTS_0", weights}}},
                 {"indices", indices},
                 {"material", material},
+                {"extensions", {{"KHR_materials_variants", {{"mappings", mappings}}}}},
                 {"targets", {{{"POSITION", morph}}}}},
                {{"skin", skin}, {"weights", {0.5}}});
   builder.add("nodes", {{"translation", {0, 0, 1}}, {"rotation", {0, 0, 0, 1}}});

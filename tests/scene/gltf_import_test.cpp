@@ -138,7 +138,7 @@ TEST(Import, ScenesAreChosenByIndexDefaultAndOrder) {
   builder.add("nodes", {{"mesh", 0}, {"name", "c"}});
   const auto names = [&](int scene) {
     std::string result;
-    for (const Instance& instance : builder.import({scene}).instances) result += instance.node_name;
+    for (const Instance& instance : builder.import({scene, {}}).instances) result += instance.node_name;
     return result;
   };
   EXPECT_EQ(names(-1), "abc");  // no scenes: all roots
@@ -148,7 +148,7 @@ TEST(Import, ScenesAreChosenByIndexDefaultAndOrder) {
   builder.json["scene"] = 1;
   EXPECT_EQ(names(-1), "b");
   EXPECT_EQ(names(0), "ca");
-  EXPECT_EQ(error_of([&] { builder.import({2}); })->pointer, "/scenes");
+  EXPECT_EQ(error_of([&] { builder.import({2, {}}); })->pointer, "/scenes");
 }
 
 TEST(Import, HashTellsScenesAndFilesApart) {

@@ -21,18 +21,15 @@ RenderSpec full_spec() {
   spec.scene.model = model_of(1);
   spec.scene.nodes = {NodeSpec{.mesh = "cube", .material = "gold"},
                       NodeSpec{.mesh = "sphere", .material = "red"}};
-  spec.scene.materials["red"] = {.preset = "plastic-red",
-                                 .base_color = glm::vec4(0.5f),
-                                 .metallic = 0.5f,
-                                 .perceptual_roughness = 0.5f,
-                                 .emissive_strength = 0.5f,
-                                 .normal_scale = 0.5f,
-                                 .occlusion_strength = 0.5f,
-                                 .alpha_cutoff = 0.25f,
-                                 .emissive = glm::vec3(0.5f),
-                                 .alpha_mode = AlphaMode::kMask,
-                                 .double_sided = false,
-                                 .unlit = false};
+  MaterialOverride& material = spec.scene.materials["red"];
+  material.preset = "plastic-red";
+  material.base_color = glm::vec4(0.5f);
+  material.metallic = material.perceptual_roughness = material.emissive_strength = 0.5f;
+  material.normal_scale = material.occlusion_strength = 0.5f;
+  material.alpha_cutoff = 0.25f;
+  material.emissive = glm::vec3(0.5f);
+  material.alpha_mode = AlphaMode::kMask;
+  material.double_sided = material.unlit = false;
   return spec;
 }
 
@@ -43,6 +40,9 @@ struct Mutation {
 
 MaterialOverride& red(RenderSpec& spec) {
   return spec.scene.materials.at("red");
+}
+TextureFile& texture(RenderSpec& spec, TextureUse use = TextureUse::kBaseColor) {
+  return red(spec).textures[std::size_t(use)].emplace<TextureFile>();
 }
 NodeSpec& node(RenderSpec& spec) {
   return spec.scene.nodes[0];
@@ -74,7 +74,21 @@ T& map(RenderSpec& spec) {
   return std::holds_alternative<T>(*procedural) ? std::get<T>(*procedural) : procedural->emplace<T>();
 }
 
+IntrinsicsCamera& calibrated(RenderSpec& spec) {
+  if (!std::holds_alternative<IntrinsicsCamera>(spec.camera.view)) spec.camera.view = IntrinsicsCamera{};
+  return std::get<IntrinsicsCamera>(spec.camera.view);
+}
+
 const std::vector<Mutation> kMutations = {
+    {"intrinsics", [](RenderSpec& s) { calibrated(s); }},
+    {"intrinsics focal x", [](RenderSpec& s) { calibrated(s).focal_px.x = 2; }},
+    {"intrinsics focal y", [](RenderSpec& s) { calibrated(s).focal_px.y = 2; }},
+    {"intrinsics principal x", [](RenderSpec& s) { calibrated(s).principal_px.x = 2; }},
+    {"intrinsics principal y", [](RenderSpec& s) { calibrated(s).principal_px.y = 2; }},
+    {"intrinsics width", [](RenderSpec& s) { calibrated(s).picture_px.x = 2; }},
+    {"intrinsics height", [](RenderSpec& s) { calibrated(s).picture_px.y = 2; }},
+    {"intrinsics translation", [](RenderSpec& s) { calibrated(s).translation.z = 2; }},
+    {"intrinsics rotation", [](RenderSpec& s) { calibrated(s).rotation.y = 0.5f; }},
     {"nothing", [](RenderSpec&) {}},
     {"model", [](RenderSpec& s) { s.scene.model = model_of(2); }},
     {"no model", [](RenderSpec& s) { s.scene.model = nullptr; }},
@@ -124,6 +138,44 @@ const std::vector<Mutation> kMutations = {
     {"no double sided", [](RenderSpec& s) { red(s).double_sided.reset(); }},
     {"unlit", [](RenderSpec& s) { red(s).unlit = true; }},
     {"no unlit", [](RenderSpec& s) { red(s).unlit.reset(); }},
+    {"variant", [](RenderSpec& s) { s.scene.variant = "a"; }},
+    {"other variant", [](RenderSpec& s) { s.scene.variant = "b"; }},
+    {"shading model", [](RenderSpec& s) { s.scene.shading_model = ShadingModel::kPhong; }},
+    {"material's model", [](RenderSpec& s) { red(s).model = ShadingModel::kPbr; }},
+    {"ior", [](RenderSpec& s) { red(s).ior = 0; }},
+    {"specular", [](RenderSpec& s) { red(s).specular = 0; }},
+    {"clearcoat", [](RenderSpec& s) { red(s).clearcoat = 0; }},
+    {"clearcoat perceptual roughness", [](RenderSpec& s) { red(s).clearcoat_perceptual_roughness = 0; }},
+    {"clearcoat normal scale", [](RenderSpec& s) { red(s).clearcoat_normal_scale = 0; }},
+    {"sheen perceptual roughness", [](RenderSpec& s) { red(s).sheen_perceptual_roughness = 0; }},
+    {"anisotropy", [](RenderSpec& s) { red(s).anisotropy = 0; }},
+    {"anisotropy rotation rad", [](RenderSpec& s) { red(s).anisotropy_rotation_rad = 0; }},
+    {"iridescence", [](RenderSpec& s) { red(s).iridescence = 0; }},
+    {"iridescence ior", [](RenderSpec& s) { red(s).iridescence_ior = 0; }},
+    {"iridescence thickness min nm", [](RenderSpec& s) { red(s).iridescence_thickness_min_nm = 0; }},
+    {"iridescence thickness max nm", [](RenderSpec& s) { red(s).iridescence_thickness_max_nm = 0; }},
+    {"transmission", [](RenderSpec& s) { red(s).transmission = 0; }},
+    {"thickness m", [](RenderSpec& s) { red(s).thickness_m = 0; }},
+    {"attenuation distance m", [](RenderSpec& s) { red(s).attenuation_distance_m = 0; }},
+    {"dispersion", [](RenderSpec& s) { red(s).dispersion = 0; }},
+    {"diffuse transmission", [](RenderSpec& s) { red(s).diffuse_transmission = 0; }},
+    {"specular color", [](RenderSpec& s) { red(s).specular_color = glm::vec3(1); }},
+    {"sheen color", [](RenderSpec& s) { red(s).sheen_color = glm::vec3(1); }},
+    {"attenuation color", [](RenderSpec& s) { red(s).attenuation_color = glm::vec3(1); }},
+    {"diffuse transmission color", [](RenderSpec& s) { red(s).diffuse_transmission_color = glm::vec3(1); }},
+    {"texture", [](RenderSpec& s) { texture(s); }},
+    {"texture of another use", [](RenderSpec& s) { texture(s, TextureUse::kDiffuseTransmissionColor); }},
+    {"no texture", [](RenderSpec& s) { red(s).textures[0] = NoTexture{}; }},
+    {"texture bytes", [](RenderSpec& s) { texture(s).encoded = Blob(std::string("other")); }},
+    {"texture UV set", [](RenderSpec& s) { texture(s).uv_set = 1; }},
+    {"texture wrap u", [](RenderSpec& s) { texture(s).sampler.wrap_u = Wrap::kClampToEdge; }},
+    {"texture wrap v", [](RenderSpec& s) { texture(s).sampler.wrap_v = Wrap::kClampToEdge; }},
+    {"texture magnified", [](RenderSpec& s) { texture(s).sampler.mag = Filter::kNearest; }},
+    {"texture minified", [](RenderSpec& s) { texture(s).sampler.min = Filter::kNearest; }},
+    {"texture levels", [](RenderSpec& s) { texture(s).sampler.mip = MipFilter::kNearest; }},
+    {"texture offset", [](RenderSpec& s) { texture(s).transform.offset.y = 1; }},
+    {"texture rotation", [](RenderSpec& s) { texture(s).transform.rotation_rad = 1; }},
+    {"texture scale", [](RenderSpec& s) { texture(s).transform.scale.x = 2; }},
     {"a light", [](RenderSpec& s) { light(s); }},
     {"light's kind", [](RenderSpec& s) { light(s).kind = LightKind::kSpot; }},
     {"light's name", [](RenderSpec& s) { light(s).name = "a"; }},
@@ -144,10 +196,7 @@ const std::vector<Mutation> kMutations = {
     {"environment file", [](RenderSpec& s) { s.environment.map = EnvironmentFile{Blob(std::string("a"))}; }},
     {"other file", [](RenderSpec& s) { s.environment.map = EnvironmentFile{Blob(std::string("b"))}; }},
     {"environment color", [](RenderSpec& s) { s.environment.map = EnvironmentColor{}; }},
-    {"other color",
-     [](RenderSpec& s) {
-       s.environment.map = EnvironmentColor{{1, 1, 0.5f}};
-     }},
+    {"other color", [](RenderSpec& s) { s.environment.map = EnvironmentColor{{1, 1, 0.5f}}; }},
     {"gradient", [](RenderSpec& s) { map<GradientEnvironment>(s); }},
     {"gradient stop", [](RenderSpec& s) { map<GradientEnvironment>(s).stops[0].elevation_deg = -80; }},
     {"gradient stop radiance", [](RenderSpec& s) { map<GradientEnvironment>(s).stops[0].radiance.b = 9; }},
@@ -219,6 +268,22 @@ const std::vector<Mutation> kMutations = {
     {"EV100", [](RenderSpec& s) { s.camera.metering = PhysicalExposure{}; }},
     {"EV100 of daylight", [](RenderSpec& s) { s.camera.metering = PhysicalExposure{15}; }},
     {"automatic exposure", [](RenderSpec& s) { s.camera.metering = AutoExposure{}; }},
+    {"depth of field", [](RenderSpec& s) { s.camera.depth_of_field.emplace(); }},
+    {"f-number", [](RenderSpec& s) { s.camera.depth_of_field.emplace().f_stop = 4; }},
+    {"sensor height", [](RenderSpec& s) { s.camera.depth_of_field.emplace().sensor_height_m = 0.01; }},
+    {"aperture diameter",
+     [](RenderSpec& s) { s.camera.depth_of_field.emplace().aperture_diameter_m = 0.01; }},
+    {"focus distance", [](RenderSpec& s) { s.camera.depth_of_field.emplace().focus_distance_m = 1; }},
+    {"focus point", [](RenderSpec& s) { s.camera.depth_of_field.emplace().focus_point = glm::vec3(1); }},
+    {"blades", [](RenderSpec& s) { s.camera.depth_of_field.emplace().blades = 5; }},
+    {"blade rotation", [](RenderSpec& s) { s.camera.depth_of_field.emplace().blade_rotation_rad = 1; }},
+    {"pixel filter", [](RenderSpec& s) { s.output.pixel_filter.kind = PixelFilterKind::kMitchell; }},
+    {"filter radius", [](RenderSpec& s) { s.output.pixel_filter.radius_px = 1; }},
+    {"bloom", [](RenderSpec& s) { s.output.bloom.emplace(); }},
+    {"bloom intensity", [](RenderSpec& s) { s.output.bloom.emplace().intensity = 0.5; }},
+    {"bloom radius", [](RenderSpec& s) { s.output.bloom.emplace().radius = 0.2; }},
+    {"bloom of emission", [](RenderSpec& s) { s.output.bloom.emplace().source = BloomSource::kEmission; }},
+    {"bloom threshold", [](RenderSpec& s) { s.output.bloom.emplace().threshold = 2; }},
     {"white balance", [](RenderSpec& s) { s.output.grade.white_balance_kelvin = 2856; }},
     {"tint", [](RenderSpec& s) { s.output.grade.white_balance_tint = 10; }},
     {"contrast", [](RenderSpec& s) { s.output.grade.contrast = 1.1; }},

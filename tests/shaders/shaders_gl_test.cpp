@@ -103,7 +103,7 @@ TEST_F(ShadersGlTest, VisibilityIsReciprocalAndCorrelated) {
 }
 
 TEST_F(ShadersGlTest, FresnelRunsFromF0ToOne) {
-  const auto results = run("lib/brdf.glsl", "result.rgb = F_Schlick(x.x, vec3(x.y));",
+  const auto results = run("lib/brdf.glsl", "result.rgb = F_Schlick(x.x, vec3(x.y), vec3(1.0));",
                            {{1, 0.04f, 0, 0}, {0, 0.04f, 0, 0}, {0.5f, 0.04f, 0, 0}});
   EXPECT_NEAR(results[0].r, 0.04, 1e-7);
   EXPECT_NEAR(results[1].r, 1, 1e-6);
@@ -113,7 +113,8 @@ TEST_F(ShadersGlTest, FresnelRunsFromF0ToOne) {
 TEST_F(ShadersGlTest, CompensatedSpecularOfAWhiteMetalIsOne) {
   std::vector<glm::vec4> inputs;
   for (float scale = 0.2f; scale < 0.9f; scale += 0.1f) inputs.emplace_back(scale, 0.05f, 0, 0);
-  const auto results = run("lib/brdf.glsl", "result.rgb = specular_albedo(vec3(1.0), x.xy);", inputs);
+  const auto results =
+      run("lib/brdf.glsl", "result.rgb = specular_albedo(vec3(1.0), vec3(1.0), x.xy);", inputs);
   for (const glm::vec4& result : results) EXPECT_NEAR(result.r, 1, 1e-6);
 }
 

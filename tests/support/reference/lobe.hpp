@@ -1,4 +1,5 @@
-// Judge of the DFG table: the GGX lobe sampled by its visible normals, on a fine regular grid of the unit square.
+// Judges of the DFG table: the GGX lobe sampled by its visible normals, on a fine regular grid of the unit square, and the lobe
+// of fibres summed over directions of light.
 #pragma once
 
 #include <cmath>
@@ -48,6 +49,35 @@ inline LobeMoments integrate_lobe(double NoV, double alpha, int side) {
     }
   }
   return sums;
+}
+
+// The integral of D V (n.l) over l, Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF": `side` x `side`
+// midpoints over the hemisphere, crowded at the horizon. Roughness below 0.1 counts as 0.1.
+inline double integrate_sheen(double NoV, double perceptual_roughness, int side) {
+  const double roughness = std::max(perceptual_roughness, 0.1), alpha = roughness * roughness;
+  const double t = (1 - alpha) * (1 - alpha);
+  const auto mix = [&](double rough, double smooth) { return rough + t * (smooth - rough); };
+  const auto fit = [&](double x) {
+    return mix(21.5473, 25.3245) / (1 + mix(3.82987, 3.32435) * std::pow(x, mix(0.19823, 0.16801))) +
+           mix(-1.97760, -1.27393) * x + mix(-4.32054, -4.85967);
+  };
+  const auto lambda = [&](double c) { return std::exp(c < 0.5 ? fit(c) : 2 * fit(0.5) - fit(1 - c)); };
+  const double sin_v = std::sqrt(1 - NoV * NoV), lambda_v = lambda(NoV);
+  double sum = 0;
+  for (int a = 0; a < side; ++a) {
+    const double x = (a + 0.5) / side, NoL = x * x, sin_l = std::sqrt(1 - NoL * NoL);
+    for (int b = 0; b < side; ++b) {
+      // Crowded where l is on v's side, and across from it.
+      const double u = (b + 0.5) / side;
+      const double phi = std::numbers::pi * (u - std::sin(2 * std::numbers::pi * u) / (2 * std::numbers::pi));
+      const double density = std::numbers::pi * (1 - std::cos(2 * std::numbers::pi * u));
+      const double hx = sin_v + sin_l * std::cos(phi), hy = sin_l * std::sin(phi), hz = NoV + NoL;
+      const double sine2 = (hx * hx + hy * hy) / (hx * hx + hy * hy + hz * hz);
+      const double D = (2 + 1 / alpha) * std::pow(sine2, 0.5 / alpha) / (2 * std::numbers::pi);
+      sum += D / (4 * NoV * (1 + lambda_v + lambda(NoL))) * 2 * x * 2 * density;
+    }
+  }
+  return std::min(sum / (double(side) * side), 1.0);
 }
 
 }  // namespace furnace::reference
