@@ -35,9 +35,11 @@ void pass_shadow(const PassContext& pass, std::span<const glm::mat4> clip_from_w
     state.depth = gl::DepthUse::kTestAndWrite;
     state.clear_depth = true;
     gl::begin_pass(pass.context, state);
-    // A surface that the light grazes falls by more than a texel's depth within it.
-    glEnable(GL_POLYGON_OFFSET_FILL);
-    glPolygonOffset(-1.5f, -2.f);
+    if (casters == Casters::kExact) {
+      // A surface that the light grazes falls by more than a texel's depth within it.
+      glEnable(GL_POLYGON_OFFSET_FILL);
+      glPolygonOffset(-1.5f, -2.f);
+    }
     draw_casters(pass, clip_from_world[view], pass.scene.deferred, casters);
     draw_casters(pass, clip_from_world[view], pass.scene.blended, casters);
     glDisable(GL_POLYGON_OFFSET_FILL);

@@ -13,7 +13,8 @@ namespace furnace {
 namespace {
 
 constexpr double kMarginPx = 4;  // round the scene, for the filter
-constexpr double kLiftTexels = 1.5;
+// Off the surface: a texel holds the depth of its middle, at most half its diagonal away.
+constexpr double kLiftTexels = 1;
 
 struct Span {
   double low = std::numeric_limits<double>::infinity(), high = -low;

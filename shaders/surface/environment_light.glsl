@@ -170,6 +170,7 @@ vec4 clearcoat_dfg(Surface s) { return textureLod(dfg_map, vec2(s.clearcoat_NoV,
 Leaving environment_light(Surface s) {
 #if FEATURE_ENVIRONMENT_VISIBILITY
   s.occlusion = 1.0;  // as path tracers do: a map of it would darken again
+  HiddenShares hidden = hidden_shares(s);
 #endif
   float perceptual_roughness = sqrt(s.alpha);
   Leaving out_light;
@@ -195,6 +196,8 @@ Leaving environment_light(Surface s) {
   BodyShares body = body_shares(s, r.body);
 #if FEATURE_ANISOTROPY
   out_light.specular = r.specular * anisotropic_radiance(s);
+#elif FEATURE_ENVIRONMENT_VISIBILITY
+  out_light.specular = r.specular * seen_specular(s, hidden, dfg.z);
 #else
   out_light.specular =
       r.specular * reflected_radiance(s.normal, s.to_viewer, s.NoV, dfg.z, perceptual_roughness);
@@ -222,9 +225,10 @@ Leaving environment_light(Surface s) {
                         specular_occlusion(s.clearcoat_NoV, s.occlusion, s.clearcoat_alpha);
 #endif
 #if FEATURE_ENVIRONMENT_VISIBILITY
-  HiddenShares hidden = hidden_shares(s);
   out_light.diffuse *= 1.0 - hidden.diffuse;
+#if FEATURE_PHONG || FEATURE_SCHLICK_BECKMANN || FEATURE_ANISOTROPY
   out_light.specular *= 1.0 - hidden.specular;
+#endif
 #if FEATURE_DIFFUSE_TRANSMISSION
   scattered *= 1.0 - hidden.scattered;
 #endif

@@ -15,7 +15,7 @@ float hidden_from(uint i, vec3 position, vec3 normal) {
   // Off the surface by some texels, more where the light grazes it, so that it does not shadow itself.
   float cosine = clamp(dot(normal, l), -1.0, 1.0);
   vec3 lit_side = cosine < 0.0 ? -normal : normal;
-  vec4 lifted = vec4(position + (lit_side * sqrt(1.0 - cosine * cosine) + l) * view.towards.w, 1.0);
+  vec4 lifted = vec4(position + (lit_side * sqrt(1.0 - cosine * cosine) + 0.5 * l) * view.towards.w, 1.0);
   // One texel: the maps of all directions lie differently over the surface, so that their mean has no steps.
   vec2 uv = vec2(dot(view.map_u, lifted), dot(view.map_v, lifted));
   float depth = texelFetch(shadow_depths, ivec3(ivec2(uv * sky.map_px), sky.first_layer + i), 0).r;
@@ -51,8 +51,18 @@ struct SkyLobe {
   float alpha;             // no narrower than the directions lie apart
 };
 
+// Of a rough lobe some part lies so far off its middle that a round one has nothing there, and bright light counts there: that part is
+// taken for one about the normal, and the rest leans less. Fitted to the shares of the true lobe that lie beyond planes through the
+// surface; from alpha 0.25 on their error is half of a round lobe's.
+float broad_share(float NoV, float alpha) {
+  float m = 1.0 - NoV;
+  float x = (2.0 + 4.0 * m * m * m) * alpha * alpha;
+  return x / (1.0 + x);
+}
+float lean_of_rest(float NoV, float alpha) { return 0.75 - 0.4 * NoV + 0.4 * alpha * alpha; }
+
 SkyLobe sky_lobe(vec3 normal, vec3 to_viewer, float NoV, float alpha) {
-  float lean = textureLod(dfg_map, vec2(NoV, sqrt(alpha)), 0.0).z;
+  float lean = textureLod(dfg_map, vec2(NoV, sqrt(alpha)), 0.0).z * lean_of_rest(NoV, alpha);
   return SkyLobe(lobe_direction(normal, to_viewer, NoV, lean), normal, max(alpha, sky.least_alpha));
 }
 
@@ -127,4 +137,11 @@ HiddenShares hidden_shares(Surface s) {
   h.clearcoat = share_of(h.clearcoat, clearcoat);
 #endif
   return h;
+}
+
+// Radiance that the specular lobe of the base layer sees.
+vec3 seen_specular(Surface s, HiddenShares hidden, float lean_rad) {
+  vec3 narrow = reflected_radiance(s.normal, s.to_viewer, s.NoV, lean_rad * lean_of_rest(s.NoV, s.alpha), sqrt(s.alpha));
+  vec3 broad = diffuse_radiance(constants.environment_from_world * s.normal);
+  return mix(narrow * (1.0 - hidden.specular), broad * (1.0 - hidden.diffuse), broad_share(s.NoV, s.alpha));
 }

@@ -1,9 +1,6 @@
 // Surface -> radiance towards the viewer.
 #include "surface/inputs.glsl"
 #include "surface/environment_light.glsl"
-#if FEATURE_SKY_VISIBILITY
-#include "surface/environment_visibility.glsl"
-#endif
 #if FEATURE_LIGHTS
 #include "surface/lights.glsl"
 #endif

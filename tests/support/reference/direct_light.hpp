@@ -1,5 +1,5 @@
 // Judge of a whole picture: what a path tracer without bounces shows of a scene in an environment, in double precision and by
-// stratified sums. Materials are plain numbers: base colour, metallic, roughness over 0.2.
+// quasi-random sums. Materials are plain numbers: base colour, metallic, roughness over 0.2.
 #pragma once
 
 #include <array>
@@ -23,8 +23,8 @@ struct DirectionalLight {
 struct DirectLightSettings {
   double sample_px =
       0.25;  // the filter is that of a sub-frame: four samples so far from the middle of each even place
-  int pixel_side = 4;   // rays through a pixel each way
-  int light_side = 10;  // directions of each lobe from each of these, squared
+  int rays = 256;      // through a pixel
+  int directions = 4;  // of each way of choosing them, from each ray's end
 };
 
 // Permuted congruential generator: O'Neill 2014, "PCG: A Family of Simple Fast Space-Efficient Statistically Good Algorithms for
@@ -160,21 +160,22 @@ class DirectLight {
   // Radiance of a pixel before exposure; black where nothing of the scene is.
   glm::dvec3 pixel(const View& view, Extent picture, int x, int y) const {
     Random random(std::uint64_t(y) * 65536u + std::uint64_t(x));
+    const glm::dvec2 place_shift(random.next(), random.next());
+    std::array<glm::dvec2, 3> direction_shifts;
+    for (glm::dvec2& shift : direction_shifts) shift = {random.next(), random.next()};
     const glm::dmat4 world_from_clip =
         glm::inverse(glm::dmat4(view.clip_from_view) * glm::dmat4(view.view_from_world));
     glm::dvec3 sum(0);
-    const int side = settings_.pixel_side;
-    for (int k = 0; k < side * side; ++k) {
-      const double spread_x = random.next() < 0.5 ? -settings_.sample_px : settings_.sample_px;
-      const double spread_y = random.next() < 0.5 ? -settings_.sample_px : settings_.sample_px;
-      const double px = x + (k % side + random.next()) / side + spread_x;
-      const double py = y + (k / side + random.next()) / side + spread_y;
+    for (int k = 0; k < settings_.rays; ++k) {
+      const glm::dvec2 place = r2(k / 4, place_shift);
+      const double px = x + place.x + (k & 1 ? -settings_.sample_px : settings_.sample_px);
+      const double py = y + place.y + (k & 2 ? -settings_.sample_px : settings_.sample_px);
       const glm::dvec4 at =
           world_from_clip * glm::dvec4(2 * px / picture.width - 1, 1 - 2 * py / picture.height, 0.5, 1);
       const glm::dvec3 eye(view.eye), direction = glm::normalize(glm::dvec3(at) / at.w - eye);
-      if (const auto hit = caster_.nearest(eye, direction)) sum += radiance(*hit, -direction, random);
+      if (const auto hit = caster_.nearest(eye, direction)) sum += radiance(*hit, -direction, k, direction_shifts);
     }
-    return sum / double(side * side);
+    return sum / double(settings_.rays);
   }
 
  private:
@@ -197,7 +198,8 @@ class DirectLight {
 
   // By three ways of choosing directions, each of which weighs what the others do: Veach and Guibas 1995, "Optimally
   // Combining Sampling Techniques for Monte Carlo Rendering", the balance heuristic.
-  glm::dvec3 radiance(const Hit& hit, const glm::dvec3& v_world, Random& random) const {
+  glm::dvec3 radiance(const Hit& hit, const glm::dvec3& v_world, int ray,
+                      const std::array<glm::dvec2, 3>& shifts) const {
     const Material& material = scene_.materials[std::size_t(hit.material)];
     const glm::dvec3& n = hit.normal;
     const double alpha = double(material.perceptual_roughness) * material.perceptual_roughness;
@@ -207,11 +209,9 @@ class DirectLight {
     glm::dvec3 v = v_world * world;
     v.z = std::clamp(v.z, 1e-4, 1.0);
     const Lobes lobes(material, v.z);
-    const int side = settings_.light_side;
     glm::dvec3 sum(0);
-    for (int k = 0; k < 3 * side * side; ++k) {
-      const int cell = k / 3;
-      const glm::dvec2 u((cell % side + random.next()) / side, (cell / side + random.next()) / side);
+    for (int k = 0; k < 3 * settings_.directions; ++k) {
+      const glm::dvec2 u = r2(ray * settings_.directions + k / 3, shifts[std::size_t(k) % 3]);
       const glm::dvec3 l = k % 3 == 0   ? cosine_direction(u)
                            : k % 3 == 1 ? mirrored_by_visible_normal(v, alpha, u)
                                         : light_.direction(u) * world;
@@ -221,12 +221,18 @@ class DirectLight {
           l.z / std::numbers::pi + density_of_visible_normals(v, l, alpha) + light_.density(towards);
       if (sees(hit, towards)) sum += reflects(lobes, v, l, alpha) * environment(towards) / density;
     }
-    sum /= double(side * side);
+    sum /= double(settings_.directions);
     for (const DirectionalLight& light : lights_) {
       const glm::dvec3 l = light.towards * world;
       if (l.z > 0 && sees(hit, light.towards)) sum += light.irradiance * reflects(lobes, v, l, alpha);
     }
     return sum;
+  }
+
+  // Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences": place i, shifted.
+  static glm::dvec2 r2(int i, const glm::dvec2& shift) {
+    constexpr double kPlastic = 1.32471795724474602596;
+    return glm::fract(shift + double(i) * glm::dvec2(1 / kPlastic, 1 / (kPlastic * kPlastic)));
   }
 
   static glm::dvec3 cosine_direction(const glm::dvec2& u) {
