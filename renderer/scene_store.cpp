@@ -225,7 +225,7 @@ void SceneStore::prepare_environment(const RenderSpec& spec, const Deadline& dea
     scene.sky_lights = in_world(light_cells(scene.environment->sky.texels, views * spec.output.samples),
                                 scene, wanted.rotation_rad);
     if (!scene.sky_lights.empty())
-      scene.sky_sums = light_sums(scene.sky_lights, gpu::SKY_SUMS_PX, gpu::SKY_LOBES);
+      scene.sky_sums = light_sums(scene.sky_lights, gpu::SKY_SUMS_PX, gpu::SKY_LOBES, pool_);
     prepare_occluders(out.scene);
   }
   if (wanted.ground) prepare_ground(spec, times, out);

@@ -81,11 +81,9 @@ void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, co
   const gpu::FrameBlock frame = pack_frame(plan, job.view, job.prepared, ground_map, tile, subframe);
   const gl::Buffer uniform = gl::create_buffer(context_, &frame, sizeof frame);
   glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, uniform.id());
-  const PassContext pass{context_,      programs_,    job.residency,
-                         plan,          job.targets,  job.scene,
-                         tile,          empty_vertex_array_, frame,
-                         glow,          glow == nullptr, false,
-                         job.sky_sums};
+  const PassContext pass{context_,        programs_, job.residency,       plan,  job.targets,
+                         job.scene,       tile,      empty_vertex_array_, frame, glow,
+                         glow == nullptr, false,     job.sky_sums};
   const LightBuffers lights = draw_shadows(job, pass, subframe);
   pass_visibility(pass);
   const bool emission = !pass.is_backdrop && plan.bloom && plan.bloom->source == BloomSource::kEmission;
@@ -123,7 +121,8 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
   std::optional<gl::Texture> sky_sums;
   if (plan.sky_views > 0 && !prepared.sky_lights.empty() && !prepared.bounds.empty())
     sky_sums = gl::upload_texture(context_, prepared.sky_sums.maps, false);
-  const FrameJob job{residency, plan, view, scene, prepared, deadline, *targets, sky_sums ? &*sky_sums : nullptr};
+  const FrameJob job{residency, plan,     view,     scene,
+                     prepared,  deadline, *targets, sky_sums ? &*sky_sums : nullptr};
   gl::Texture glow;
   if (plan.bloom && !plan.glow_only) glow = gl::upload_texture(context_, plan.bloom->glow, false);
   FrameResult result;

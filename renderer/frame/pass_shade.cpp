@@ -101,8 +101,7 @@ void shade_layer(const PassContext& pass, const std::vector<Rect>& rects, GLuint
     if (rects[i].width == 0 || rects[i].height == 0) continue;
     const Draw& draw = pass.scene.deferred[i];
     limit_to(rects[i]);
-    const gl::FeatureSet features =
-        pass.shown(draw.features & ~gl::FeatureSet(gl::kFeatureAlphaMask)) | veil;
+    const gl::FeatureSet features = pass.shown(draw.features & ~gl::FeatureSet(gl::kFeatureAlphaMask)) | veil;
     const GLuint program =
         pass.programs.request(pass.context, {"surface/deferred.vert", "surface/deferred.frag", features});
     glProgramUniform1ui(program, kLayerLocation, layer);

@@ -13,7 +13,7 @@ namespace furnace {
 // Directions of each sub-frame; 0 where the environment's light is not shadowed.
 int sky_views_wanted(const RenderSpec& spec);
 
-inline constexpr int kSkyMapPx = 1024;  // side of each map, where no lights' maps lie beside them
+inline constexpr int kSkyMapPx = 512;  // side of each map, where no lights' maps lie beside them
 
 struct SkyPlan {
   gpu::SkyBlock block;

@@ -14,7 +14,7 @@ double ggx_lobe(double cosine, double alpha) {
   return std::max(cosine, 0.0) * a2 * a2 / (d * d);
 }
 
-LightSums light_sums(const std::vector<LightDirection>& lights, int side_px, int levels) {
+LightSums light_sums(const std::vector<LightDirection>& lights, int side_px, int levels, WorkerPool& pool) {
   LightSums sums;
   // A lobe's solid angle is some 4 pi alpha^2: it shall hold about 9 directions of an even sky.
   sums.least_alpha = std::clamp(3 / std::sqrt(double(lights.size())), 0.05, 0.5);
@@ -26,7 +26,8 @@ LightSums light_sums(const std::vector<LightDirection>& lights, int side_px, int
     alphas.push_back(std::pow(sums.least_alpha, 1 - double(level) / (levels - 1)));
   for (const LightDirection& light : lights)
     luminances.push_back(luminance_rec709(light.irradiance[0], light.irradiance[1], light.irradiance[2]));
-  for (std::size_t y = 0; y < side; ++y) {
+  const double row_cost_us = 0.03 * double(side * lights.size() * alphas.size());
+  pool.parallel_for(side, row_cost_us, [&](std::size_t y) {
     for (std::size_t x = 0; x < side; ++x) {
       const auto at = direction_from_octahedral(double(x) / double(side - 1), double(y) / double(side - 1));
       std::array<double, 3> diffuse{};
@@ -43,7 +44,7 @@ LightSums light_sums(const std::vector<LightDirection>& lights, int side_px, int
       for (std::size_t k = 0; k < alphas.size(); ++k)
         samples[(((k + 1) * side + y) * side + x) * 4] = float(lobes[k]);
     }
-  }
+  });
   return sums;
 }
 

@@ -1,6 +1,7 @@
 // What a number of directions sheds on a lobe that looks anywhere: the whole of which the scene hides a part.
 #pragma once
 
+#include "renderer/base/worker_pool.hpp"
 #include "renderer/ibl/light_directions.hpp"
 
 namespace furnace {
@@ -18,7 +19,7 @@ struct LightSums {
 // shaders/surface/environment_visibility.glsl.
 double ggx_lobe(double cosine, double alpha);
 
-// `lights` shine from the whole sphere, some; `levels`: GGX lobes. Pure. Threads: any.
-LightSums light_sums(const std::vector<LightDirection>& lights, int side_px, int levels);
+// `lights` shine from the whole sphere, some; `levels`: GGX lobes. The same for any pool. Threads: any.
+LightSums light_sums(const std::vector<LightDirection>& lights, int side_px, int levels, WorkerPool& pool);
 
 }  // namespace furnace

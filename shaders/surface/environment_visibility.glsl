@@ -36,13 +36,14 @@ vec3 sum_around(vec3 direction, int index) {
 }
 
 // What all directions shed on a lobe around unit `direction`, its part below the horizon left out: in the plane, a lobe
-// 1 / (1 + (u / s)^2)^2 has (1 + x / sqrt(x^2 + s^2)) / 2 beyond a line at a distance x. Here s is 2 alpha, x the elevation.
+// 1 / (1 + (u / s)^2)^2 has (1 + x / sqrt(x^2 + s^2)) / 2 beyond a line at a distance x. Here s is 2 alpha, x the elevation. The
+// root of it is taken: half-way to all of the lobe, which no hidden light could exceed where it all lies above the horizon.
 float lobe_sum(vec3 direction, float alpha, vec3 normal) {
   float at = clamp(1.0 - log(alpha) / log(sky.least_alpha), 0.0, 1.0) * float(SKY_LOBES - 1);
   int low = min(int(at), SKY_LOBES - 2);
   float sum = mix(sum_around(direction, 1 + low).r, sum_around(direction, 2 + low).r, at - float(low));
   float elevation = asin(clamp(dot(direction, normal), -1.0, 1.0));
-  return sum * (0.5 + 0.5 * elevation * inversesqrt(elevation * elevation + 4.0 * alpha * alpha));
+  return sum * sqrt(0.5 + 0.5 * elevation * inversesqrt(elevation * elevation + 4.0 * alpha * alpha));
 }
 
 // A specular lobe of the environment's light.

@@ -99,7 +99,8 @@ TEST(LightCells, CrowdWhereTheLightIs) {
 TEST(LightSums, AreTheSumsOverAllDirections) {
   const auto lights = light_cells(even_map(1, 0.5f, 0.25f), 64);
   constexpr int kSide = 9, kLevels = 3;
-  const LightSums sums = light_sums(lights, kSide, kLevels);
+  WorkerPool pool(2);
+  const LightSums sums = light_sums(lights, kSide, kLevels, pool);
   EXPECT_NEAR(sums.least_alpha, 3.0 / 8, 1e-12);
   const auto samples = sums.maps.samples<float>();
   for (const auto& [x, y] : {std::pair{0, 0}, {4, 4}, {8, 3}}) {

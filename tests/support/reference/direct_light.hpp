@@ -173,7 +173,8 @@ class DirectLight {
       const glm::dvec4 at =
           world_from_clip * glm::dvec4(2 * px / picture.width - 1, 1 - 2 * py / picture.height, 0.5, 1);
       const glm::dvec3 eye(view.eye), direction = glm::normalize(glm::dvec3(at) / at.w - eye);
-      if (const auto hit = caster_.nearest(eye, direction)) sum += radiance(*hit, -direction, k, direction_shifts);
+      if (const auto hit = caster_.nearest(eye, direction))
+        sum += radiance(*hit, -direction, k, direction_shifts);
     }
     return sum / double(settings_.rays);
   }
