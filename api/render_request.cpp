@@ -2,6 +2,7 @@
 
 #include "api/contract.hpp"
 #include "api/film_request.hpp"
+#include "api/light_request.hpp"
 #include "api/material_request.hpp"
 #include "api/procedural_request.hpp"
 #include "api/request_values.hpp"
@@ -56,7 +57,8 @@ class Reader {
     const Value nodes = scene["nodes"];
     for (std::size_t i = 0; i < nodes.size(); ++i) spec.nodes.push_back(read_node(nodes.at(i), spec));
     const Value lights = scene["lights"];
-    for (std::size_t i = 0; i < lights.size(); ++i) spec.lights.push_back(read_light(lights.at(i)));
+    for (std::size_t i = 0; i < lights.size(); ++i)
+      spec.lights.push_back(read_light(lights.at(i), assets_, faults_));
     read(scene["modelLights"], spec.model_lights);
     if (!scene["model"] && !nodes) spec.nodes.push_back(default_node(kDefaultMesh));
     read(scene["gltfScene"], spec.gltf_scene);
@@ -66,42 +68,6 @@ class Reader {
       if (scene[key])
         faults_.add(ErrorCode::kUnprocessable, scene[key],
                     "needs a glTF file as \"model\"; leave it out or name one");
-  }
-
-  Light read_light(const Value& value) {
-    Light light;
-    static constexpr Choice<LightKind> kKinds[] = {
-        {"directional", LightKind::kDirectional}, {"point", LightKind::kPoint}, {"spot", LightKind::kSpot}};
-    read_choice(value["type"], kKinds, light.kind);
-    read(value["name"], light.name);
-    glm::vec3 position(0), direction(0, -1, 0), color(1);
-    read(value["position"], position);
-    read(value["direction"], direction);
-    read(value["color"], color);
-    light.position = position;
-    if (glm::length(direction) > 0) {
-      light.direction = glm::normalize(glm::dvec3(direction));
-    } else {
-      faults_.add(ErrorCode::kUnprocessable, value["direction"],
-                  "has no length; straight down is [0, -1, 0]");
-    }
-    read_degrees(value["innerConeDegrees"], light.inner_cone_rad);
-    read_degrees(value["outerConeDegrees"], light.outer_cone_rad);
-    if (light.inner_cone_rad >= light.outer_cone_rad)
-      faults_.add(ErrorCode::kUnprocessable, value, "innerConeDegrees must be less than outerConeDegrees");
-    double intensity = light.kind == LightKind::kDirectional ? 1 : 10;
-    read(value["illuminanceLux"], intensity);
-    read(value["intensityCandela"], intensity);
-    if (const Value flux = value["fluxLumen"]) {
-      const bool spot = light.kind == LightKind::kSpot;
-      intensity = flux.number() / (spot ? 2 * kPi * (1 - std::cos(light.outer_cone_rad)) : 4 * kPi);
-    }
-    light.intensity = glm::dvec3(color) * intensity;
-    read(value["rangeMetres"], light.range_m);
-    read(value["radiusMetres"], light.radius_m);
-    read_degrees(value["angularRadiusDegrees"], light.angular_radius_rad);
-    read(value["shadow"], light.casts_shadow);
-    return light;
   }
 
   static NodeSpec default_node(std::string_view mesh) {

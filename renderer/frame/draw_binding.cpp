@@ -4,9 +4,8 @@ namespace furnace {
 namespace {
 
 constexpr GLuint kDrawBinding = 1, kMaterialBinding = 2, kLayerBinding = 5;
-constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kDfgUnit = 7, kGroundUnit = 13, kSkySumsUnit = 13,
-                 kShadowUnit = 14, kShadowDepthUnit = 15, kLayerUnit = 16, kBackdropUnit = 30,
-                 kBehindUnit = 31;
+constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kTablesUnit = 7, kGroundUnit = 13, kSkySumsUnit = 13,
+                 kShadowUnit = 14, kShadowDepthUnit = 15, kLayerUnit = 16, kBackdropUnit = 30, kBehindUnit = 31;
 constexpr GLuint kColorLocation = 5;
 
 constexpr SamplerDesc kSkySampler{Wrap::kRepeat, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
@@ -40,8 +39,8 @@ void bind_environment(const PassContext& pass) {
   gl::SamplerCache& samplers = pass.residency.samplers();
   glBindTextureUnit(kAtlasUnit, pass.scene.environment->atlas.id());
   glBindSampler(kAtlasUnit, samplers.get(pass.context, kTableSampler));
-  glBindTextureUnit(kDfgUnit, pass.residency.dfg_texture());
-  glBindSampler(kDfgUnit, samplers.get(pass.context, kTableSampler));
+  glBindTextureUnit(kTablesUnit, pass.scene.lobe_tables->texture.id());
+  glBindSampler(kTablesUnit, samplers.get(pass.context, kTableSampler));
   if (pass.sky_sums == nullptr) return;
   glBindTextureUnit(kSkySumsUnit, pass.sky_sums->id());
   glBindSampler(kSkySumsUnit, samplers.get(pass.context, kTableSampler));

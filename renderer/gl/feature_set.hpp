@@ -39,7 +39,9 @@ enum Feature : FeatureSet {
   kFeatureGrade = 1ull << 28,
   kFeatureBloom = 1ull << 29,
   kFeatureEmission = 1ull << 30,
-  kFeatureEnvironmentVisibility = 1ull << 31,
+  kFeatureSurfaceLights = 1ull << 31,
+  kFeatureLightProfiles = 1ull << 32,
+  kFeatureEnvironmentVisibility = 1ull << 33,
 };
 
 }  // namespace furnace::gl

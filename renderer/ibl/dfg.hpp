@@ -26,7 +26,7 @@ struct DfgTable {
   std::vector<DfgTexel> texels;  // size * size
 };
 
-// The table that the shaders read, kDfgTableSize on a side: worked out when the program is built (make_dfg_table.cpp).
+// The table that the shaders read, kDfgTableSize on a side: worked out when the program is built (make_lobe_tables.cpp).
 inline constexpr int kDfgTableSize = 128;
 std::span<const DfgTexel> dfg_table();
 

@@ -93,6 +93,15 @@ std::optional<Extent> common_map_size(const Material& material,
   return size;
 }
 
+gl::FeatureSet light_features(const std::vector<Light>& lights) {
+  gl::FeatureSet features = lights.empty() ? 0 : gl::FeatureSet(gl::kFeatureLights);
+  for (const Light& light : lights) {
+    if (light.is_surface()) features |= gl::kFeatureSurfaceLights;
+    if (light.profile != nullptr) features |= gl::kFeatureLightProfiles;
+  }
+  return features;
+}
+
 constexpr gl::FeatureSet kNeedsTangents =
     gl::kFeatureNormalMap | gl::kFeatureCoatNormalMap | gl::kFeatureAnisotropy;
 
@@ -102,6 +111,7 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
                     GpuScene& out) {
   out.environment = residency.environment(*scene.environment);
   out.sky = residency.sky(scene.environment->sky);
+  out.lobe_tables = residency.lobe_tables(scene.lights);
   if (scene.background != nullptr) out.background = residency.sky(*scene.background);
   if (scene.ground && scene.ground->shadow_key) {
     out.ground_shadow = residency.find_ground_shadow(*scene.ground->shadow_key);
@@ -141,6 +151,7 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
     out.materials.push_back(gpu_material);
   }
 
+  const gl::FeatureSet lights = light_features(scene.lights);
   std::vector<gpu::DrawBlock> draw_blocks;
   constexpr std::size_t kMostDraws = (1u << 18) - 1;  // keys of lib/visibility.glsl
   if (scene.instances.size() > kMostDraws) {
@@ -168,7 +179,7 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
     if (mesh.mesh->tangents.empty()) draw.features &= ~kNeedsTangents;
     const bool triangles = mesh.mesh->topology == Topology::kTriangles;
     if (!triangles) draw.features &= ~gl::FeatureSet(gl::kFeatureTransmission);
-    if (!scene.lights.empty()) draw.features |= gl::kFeatureLights;
+    draw.features |= lights;
     if (draw.features & gl::kFeatureUnlit) {
       draw.features &= gl::kFeatureAlphaMask | gl::kFeatureAlphaBlend | gl::kFeatureUnlit |
                        gl::kFeatureMaterialMaps | gl::kFeaturePackedOcclusion | gl::kFeatureAlignedMaps |

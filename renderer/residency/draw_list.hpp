@@ -51,6 +51,7 @@ struct GpuScene {
   const GpuTexture* sky = nullptr;         // the environment itself
   const GpuTexture* background = nullptr;  // what is seen of an environment; null for another background
   const GpuGroundShadow* ground_shadow = nullptr;
+  const GpuTexture* lobe_tables = nullptr;
 };
 
 // Makes everything resident. False when a mesh or texture must be prepared first (evicted since it was looked up).

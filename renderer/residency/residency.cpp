@@ -1,9 +1,12 @@
 #include "renderer/residency/residency.hpp"
 
 #include <algorithm>
-#include <cstring>
+#include <cmath>
 
 #include "renderer/ibl/dfg.hpp"
+#include "renderer/ibl/ltc.hpp"
+#include "renderer/residency/gpu_blocks.hpp"
+#include "renderer/scene/transform.hpp"
 
 namespace furnace {
 namespace {
@@ -14,11 +17,21 @@ gl::Texture make_neutral(gl::Context& context) {
   return gl::upload_texture(context, white, false);
 }
 
-gl::Texture make_dfg(gl::Context& context) {
-  Image image = make_image({kDfgTableSize, kDfgTableSize}, 4, SampleType::kFloat32, ColorSpace::kNonColor);
-  static_assert(sizeof(DfgTexel) == 4 * sizeof(float));
-  std::memcpy(image.pixels.data(), dfg_table().data(), image.pixels.size());
-  return gl::upload_texture(context, image, false);
+constexpr Extent kTable{kDfgTableSize, kDfgTableSize};
+
+// Of the profile's share of its peak, RGBA alike: columns round the axis from 0 to 2 pi, rows from where the luminaire points to
+// behind it, closer together near both, where beams are narrow: vertical = pi / 2 (1 - cos(pi row / last)).
+std::vector<float> profile_texels(const LightProfile& profile) {
+  std::vector<float> texels;
+  constexpr double kLast = kDfgTableSize - 1;
+  for (int row = 0; row < kDfgTableSize; ++row) {
+    const double vertical = kPi / 2 * (1 - std::cos(kPi * row / kLast));
+    for (int column = 0; column < kDfgTableSize; ++column) {
+      const double share = profile.candela_towards(vertical, 2 * kPi * column / kLast) / profile.peak_candela;
+      texels.insert(texels.end(), 4, float(share));
+    }
+  }
+  return texels;
 }
 
 }  // namespace
@@ -44,10 +57,10 @@ Residency::Residency(gl::Context& context, std::int64_t budget_bytes, std::share
       occluders_(total_bytes_, *keys_),
       textures_(total_bytes_, *keys_),
       skies_(total_bytes_, *keys_),
+      lobe_tables_(total_bytes_, *keys_),
       environments_(total_bytes_, *keys_),
       ground_shadows_(total_bytes_, *keys_),
-      neutral_(make_neutral(context)),
-      dfg_(make_dfg(context)) {}
+      neutral_(make_neutral(context)) {}
 
 Residency::~Residency() {
   // A rebuilt context starts with nothing.
@@ -55,6 +68,7 @@ Residency::~Residency() {
   occluders_.clear();
   textures_.clear();
   skies_.clear();
+  lobe_tables_.clear();
   environments_.clear();
   ground_shadows_.clear();
 }
@@ -65,12 +79,14 @@ void Residency::begin_frame() {
   while (total_bytes_ > budget_bytes_) {
     const std::uint64_t oldest =
         std::min({meshes_.oldest(frame_), occluders_.oldest(frame_), textures_.oldest(frame_),
-                  skies_.oldest(frame_), environments_.oldest(frame_), ground_shadows_.oldest(frame_)});
+                  skies_.oldest(frame_), lobe_tables_.oldest(frame_), environments_.oldest(frame_),
+                  ground_shadows_.oldest(frame_)});
     if (oldest == frame_) break;
     meshes_.evict(oldest);
     occluders_.evict(oldest);
     textures_.evict(oldest);
     skies_.evict(oldest);
+    lobe_tables_.evict(oldest);
     environments_.evict(oldest);
     ground_shadows_.evict(oldest);
   }
@@ -120,6 +136,34 @@ const GpuTexture* Residency::sky(const PreparedSky& sky) {
   GpuTexture gpu{gl::upload_texture(context_, sky.texels, true), sky.texels.extent,
                  sky.texels.byte_size() * 4 / 3};
   return skies_.insert(sky.key, frame_, std::move(gpu));
+}
+
+const GpuTexture* Residency::lobe_tables(const std::vector<Light>& lights) {
+  HashBuilder builder;
+  builder.add("lobe tables");
+  std::vector<const LightProfile*> profiles;
+  for (const Light& light : lights) {
+    if (light.profile == nullptr) continue;
+    builder.add(light.profile->hash);
+    profiles.push_back(light.profile.get());
+  }
+  const ContentHash key = builder.finish();
+  if (const GpuTexture* known = lobe_tables_.find(key, frame_)) return known;
+  uploaded_ = true;
+  const int layers = int(gpu::FIRST_PROFILE) + int(profiles.size());
+  GpuTexture gpu{
+      gl::create_texture_array(context_, GL_RGBA32F, kTable, layers), kTable,
+      std::size_t(kTable.width) * std::size_t(kTable.height) * 4 * sizeof(float) * std::size_t(layers)};
+  const auto fill = [&](int layer, const void* texels) {
+    glTextureSubImage3D(gpu.texture.id(), 0, 0, 0, layer, kTable.width, kTable.height, 1, GL_RGBA, GL_FLOAT,
+                        texels);
+  };
+  static_assert(sizeof(DfgTexel) == 4 * sizeof(float) && sizeof(LtcTexel) == 4 * sizeof(float));
+  fill(0, dfg_table().data());
+  fill(1, ltc_table().data());
+  for (std::size_t i = 0; i < profiles.size(); ++i)
+    fill(int(gpu::FIRST_PROFILE) + int(i), profile_texels(*profiles[i]).data());
+  return lobe_tables_.insert(key, frame_, std::move(gpu));
 }
 
 const GpuGroundShadow* Residency::keep_ground_shadow(const ContentHash& key, GpuGroundShadow shadow) {

@@ -122,6 +122,8 @@ class Residency {
   const GpuTexture* texture(const PreparedTexture& texture);
   const GpuTexture* sky(const PreparedSky& sky);
   const GpuEnvironment* environment(const PreparedEnvironment& environment);
+  // An array of kDfgTableSize a side: DFG, LTC, then a profile for each light that has one, in their order.
+  const GpuTexture* lobe_tables(const std::vector<Light>& lights);
   // Drawn, not uploaded: the frame makes what is not found.
   const GpuGroundShadow* find_ground_shadow(const ContentHash& key) {
     return ground_shadows_.find(key, frame_);
@@ -129,7 +131,6 @@ class Residency {
   const GpuGroundShadow* keep_ground_shadow(const ContentHash& key, GpuGroundShadow shadow);
 
   GLuint neutral_texture() const { return neutral_.id(); }
-  GLuint dfg_texture() const { return dfg_.id(); }
   gl::SamplerCache& samplers() { return samplers_; }
   bool uploaded() const { return uploaded_; }  // anything since begin_frame()
 
@@ -143,11 +144,10 @@ class Residency {
   GpuCache<GpuMesh> meshes_;
   GpuCache<GpuOccluder> occluders_;
   GpuCache<GpuTexture> textures_;
-  GpuCache<GpuTexture> skies_;
+  GpuCache<GpuTexture> skies_, lobe_tables_;
   GpuCache<GpuEnvironment> environments_;
   GpuCache<GpuGroundShadow> ground_shadows_;
   gl::Texture neutral_;  // 1x1, white: every absent map reads 1
-  gl::Texture dfg_;
   gl::SamplerCache samplers_;
 };
 

@@ -99,11 +99,17 @@ class CanonicalHash {
     add_all(mesh, material, translation, rotation, scale);
   }
 
+  void add(const std::shared_ptr<const LightProfile>& value) {
+    add(value != nullptr);
+    if (value != nullptr) add(value->hash);
+  }
+
   void add(const Light& value) {
     const auto& [kind, name, position, direction, intensity, range_m, inner_cone_rad, outer_cone_rad,
-                 radius_m, angular_radius_rad, casts_shadow] = value;
+                 radius_m, angular_radius_rad, width_m, height_m, roll_rad, two_sided, profile,
+                 casts_shadow] = value;
     add_all(kind, name, position, direction, intensity, range_m, inner_cone_rad, outer_cone_rad, radius_m,
-            angular_radius_rad, casts_shadow);
+            angular_radius_rad, width_m, height_m, roll_rad, two_sided, profile, casts_shadow);
   }
 
   void add(const SceneSpec& value) {

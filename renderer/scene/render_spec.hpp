@@ -262,7 +262,7 @@ struct RenderSpec {
 std::string format_fault(const RenderSpec& spec);
 
 // Raised when the same canonical bytes would mean another picture.
-inline constexpr int kRenderSpecVersion = 3;
+inline constexpr int kRenderSpecVersion = 4;
 
 // Hash of the canonical form: equal for two specs that describe the same picture, whatever JSON they came
 // from.

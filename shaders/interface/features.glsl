@@ -33,4 +33,6 @@
 // FEATURE_GRADE              white balance, contrast and saturation, and the tone curves of many operations
 // FEATURE_BLOOM              a glow spreads from what is bright
 // FEATURE_EMISSION           surfaces show nothing but what they emit; only that glows
+// FEATURE_SURFACE_LIGHTS     some lights are surfaces: rectangles, discs, balls
+// FEATURE_LIGHT_PROFILES     some lights have photometric profiles
 // FEATURE_ENVIRONMENT_VISIBILITY  the scene keeps the environment's light from itself

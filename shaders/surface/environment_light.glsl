@@ -9,7 +9,12 @@ layout(std140, binding = 0) uniform FrameUniform { FrameBlock frame; };  // for 
 
 layout(binding = 5) uniform sampler2D sky_map;    // the environment itself, equirect
 layout(binding = 6) uniform sampler2D atlas_map;  // octahedral tiles: GGX levels and irradiance
-layout(binding = 7) uniform sampler2D dfg_map;    // x: roughness row, see renderer/ibl/dfg.hpp
+layout(binding = 7) uniform sampler2DArray lobe_tables;  // layers: renderer/ibl/dfg.hpp, ltc.hpp, then the lights' profiles
+
+// Scale and bias of the split sum, lean of the lobe, albedo of the sheen.
+vec4 dfg_at(float NoV, float perceptual_roughness) {
+  return textureLod(lobe_tables, vec3(NoV, perceptual_roughness, 0.0), 0.0);
+}
 
 vec3 sample_tile(vec4 tile, vec2 octahedral) {
   return textureLod(atlas_map, (tile.xy + octahedral * tile.z) * constants.atlas.xy, 0.0).rgb;
@@ -122,24 +127,39 @@ vec3 reflected_radiance(vec3 normal, vec3 to_viewer, float NoV, float lean_rad, 
 // Radiance of a lobe wider along the tangent: round lobes of the narrow width, about normals tilted along the tangent as the
 // slopes of GGX are spread beyond that width. Along one axis they have the density a^2 / (2 (a^2 + x^2)^(3/2)), so the
 // quantile of u in (-1, 1) is x = a u / sqrt(1 - u^2).
-vec3 anisotropic_radiance(Surface s) {
-  const int kTaps = 12;
+struct AnisotropicTap {
+  vec3 normal;
+  float VoH, alpha, weight;
+};
+
+const int ANISOTROPIC_TAPS = 12;
+
+AnisotropicTap anisotropic_tap(Surface s, int i) {
+  AnisotropicTap tap;
   float spread = sqrt(max(s.alpha_t * s.alpha_t - s.alpha * s.alpha, 0.0));
   // No sharper than the taps lie apart.
-  float tap_roughness = sqrt(max(s.alpha, 0.15 * spread));
-  float lean = textureLod(dfg_map, vec2(s.NoV, tap_roughness), 0.0).z;
+  tap.alpha = max(s.alpha, 0.15 * spread);
+  float u = (2.0 * float(i) + 1.0) / float(ANISOTROPIC_TAPS) - 1.0;
+  tap.normal = normalize(s.normal + s.tangent * (spread * u * inversesqrt(1.0 - u * u)));
+  tap.VoH = dot(s.to_viewer, tap.normal);
+  float NoL = dot(s.normal, reflect(-s.to_viewer, tap.normal));
+  // Of a half vector drawn from D cos: G (v.h) / (n.h n.v), here by the masking of the light alone.
+  tap.weight = tap.VoH > 0.0 && NoL > 0.0
+                   ? tap.VoH * 2.0 * NoL / (NoL + sqrt(s.alpha_t * s.alpha_t + (1.0 - s.alpha_t * s.alpha_t) * NoL * NoL))
+                   : 0.0;
+  return tap;
+}
+
+vec3 anisotropic_radiance(Surface s) {
+  float tap_roughness = sqrt(anisotropic_tap(s, 0).alpha);
+  float lean = dfg_at(s.NoV, tap_roughness).z;
   vec3 sum = vec3(0.0);
   float weights = 0.0;
-  for (int i = 0; i < kTaps; ++i) {
-    float u = (2.0 * float(i) + 1.0) / float(kTaps) - 1.0;
-    vec3 h = normalize(s.normal + s.tangent * (spread * u * inversesqrt(1.0 - u * u)));
-    vec3 l = reflect(-s.to_viewer, h);
-    float VoH = dot(s.to_viewer, h), NoL = dot(s.normal, l);
-    if (VoH <= 0.0 || NoL <= 0.0) continue;
-    // Of a half vector drawn from D cos: G (v.h) / (n.h n.v), here by the masking of the light alone.
-    float weight = VoH * 2.0 * NoL / (NoL + sqrt(s.alpha_t * s.alpha_t + (1.0 - s.alpha_t * s.alpha_t) * NoL * NoL));
-    sum += weight * reflected_radiance(h, s.to_viewer, VoH, lean, tap_roughness);
-    weights += weight;
+  for (int i = 0; i < ANISOTROPIC_TAPS; ++i) {
+    AnisotropicTap tap = anisotropic_tap(s, i);
+    if (tap.weight <= 0.0) continue;
+    sum += tap.weight * reflected_radiance(tap.normal, s.to_viewer, tap.VoH, lean, tap_roughness);
+    weights += tap.weight;
   }
   return weights > 0.0 ? sum / weights : prefiltered_radiance(constants.environment_from_world * s.normal, tap_roughness);
 }
@@ -155,12 +175,12 @@ vec3 sheen_direction(Surface s) {
 
 // Directional albedo for a white fibre.
 float sheen_albedo(float NoV, float perceptual_roughness) {
-  return textureLod(dfg_map, vec2(NoV, perceptual_roughness), 0.0).w;
+  return dfg_at(NoV, perceptual_roughness).w;
 }
 #endif
 
 #if FEATURE_CLEARCOAT
-vec4 clearcoat_dfg(Surface s) { return textureLod(dfg_map, vec2(s.clearcoat_NoV, sqrt(s.clearcoat_alpha)), 0.0); }
+vec4 clearcoat_dfg(Surface s) { return dfg_at(s.clearcoat_NoV, sqrt(s.clearcoat_alpha)); }
 #endif
 
 #if FEATURE_ENVIRONMENT_VISIBILITY
@@ -191,7 +211,7 @@ Leaving environment_light(Surface s) {
 #if FEATURE_ANISOTROPY
   perceptual_roughness = sqrt(sqrt(s.alpha * s.alpha_t));
 #endif
-  vec4 dfg = textureLod(dfg_map, vec2(s.NoV, perceptual_roughness), 0.0);
+  vec4 dfg = dfg_at(s.NoV, perceptual_roughness);
   Reflectance r = reflectance(s, dfg.xy);
   BodyShares body = body_shares(s, r.body);
 #if FEATURE_ANISOTROPY

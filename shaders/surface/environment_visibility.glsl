@@ -63,7 +63,7 @@ float broad_share(float NoV, float alpha) {
 float lean_of_rest(float NoV, float alpha) { return 0.75 - 0.4 * NoV + 0.4 * alpha * alpha; }
 
 SkyLobe sky_lobe(vec3 normal, vec3 to_viewer, float NoV, float alpha) {
-  float lean = textureLod(dfg_map, vec2(NoV, sqrt(alpha)), 0.0).z * lean_of_rest(NoV, alpha);
+  float lean = dfg_at(NoV, sqrt(alpha)).z * lean_of_rest(NoV, alpha);
   return SkyLobe(lobe_direction(normal, to_viewer, NoV, lean), normal, max(alpha, sky.least_alpha));
 }
 
@@ -112,7 +112,7 @@ HiddenShares hidden_shares(Surface s) {
 #endif
   for (uint i = 0u; i < sky.count; ++i) {
     vec3 l = sky.views[i].towards.xyz;
-    vec4 hidden = sky.views[i].light * hidden_from(i, s.position, s.smooth_normal);
+    vec4 hidden = sky.views[i].light * hidden_from(i, s.position, s.vertex_normal);
     float NoL = dot(s.normal, l);
     h.diffuse += hidden.rgb * max(NoL, 0.0);
     h.specular += hidden.a * shed_on(specular, l);

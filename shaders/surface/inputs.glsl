@@ -35,9 +35,9 @@ struct Surface {
   float alpha;       // GGX, widened for the pixel
   float occlusion;
   vec3 normal;       // unit, world, towards the viewer's side
+  vec3 vertex_normal;  // the same without a map
   vec3 to_viewer;    // unit, world
   vec3 position;     // m, world; with NEEDS_POSITION only
-  vec3 smooth_normal;  // `normal` without a map
   float NoV;
   vec3 f0, f90;      // reflectance of the dielectric, seen at right angles and grazing
   vec3 metal_f0;
@@ -153,8 +153,8 @@ Surface read_surface(Attributes a) {
   float flip = constants.emissive_flip.w > 0.5 && !a.front ? -1.0 : 1.0;
   vec3 vertex_normal = flip * normalize(a.normal_world);
   float change2;
+  s.vertex_normal = vertex_normal;
   s.normal = shading_normal(a, vertex_normal, flip, change2);
-  s.smooth_normal = vertex_normal;
   s.to_viewer = normalize(a.to_viewer_world);
   s.position = a.position_world;
   s.NoV = clamp(dot(s.normal, s.to_viewer), MIN_COSINE, 1.0);

@@ -1,4 +1,4 @@
-// Direct light of directional, point and spot lights, all of them discs or spheres of some size, with their shadows.
+// Direct light: of directional, point and spot lights, all of them discs or spheres of some size, and of surfaces; with shadows.
 #include "interface/light_block.glsl"
 #include "surface/environment_light.glsl"
 
@@ -32,6 +32,7 @@ float disc_gain(float alpha, float radius_rad, float VoH) {
 struct Lit {
   vec3 f0, f90;
   vec3 compensation;  // of the specular lobe
+  vec3 albedo;        // of that lobe, all told
   BodyShares body;
 };
 
@@ -51,9 +52,11 @@ Lit lit_surface(Surface s) {
 #else
   float alpha = s.alpha;
 #endif
-  vec2 dfg = textureLod(dfg_map, vec2(s.NoV, sqrt(alpha)), 0.0).xy;
+  vec2 dfg = dfg_at(s.NoV, sqrt(alpha)).xy;
   lit.compensation = multiple_scattering(lit.f0, dfg);
-  lit.body = body_shares(s, reflectance(s, dfg).body);
+  Reflectance r = reflectance(s, dfg);
+  lit.albedo = r.specular;
+  lit.body = body_shares(s, r.body);
 #endif
   return lit;
 }
@@ -144,6 +147,32 @@ void add_disc_light(Surface s, Lit lit, vec3 towards, float radius_rad, vec3 irr
 #endif
 }
 
+#if FEATURE_SURFACE_LIGHTS && !(FEATURE_PHONG || FEATURE_SCHLICK_BECKMANN)
+#include "surface/surface_lights.glsl"
+#elif FEATURE_SURFACE_LIGHTS
+// The older models see a disc as large.
+void add_surface_light(Surface s, Lit lit, LightRow light, vec3 radiance, float distance_m, inout Leaving leaving) {
+  vec3 towards = (light.place.xyz - s.position) / distance_m;
+  float turned = light.place.w == LIGHT_BALL ? 1.0 : abs(dot(light.axis.xyz, towards));
+  float radius_rad = atan(light.axis.w * sqrt(turned), distance_m);
+  float sine = sin(radius_rad);
+  add_disc_light(s, lit, towards, radius_rad, radiance * (PI * sine * sine), leaving);
+}
+#endif
+
+#if FEATURE_LIGHT_PROFILES
+// [0, 1], towards unit `away`: renderer/scene/light_profile.hpp.
+float profile_share(LightRow light, vec3 away) {
+  if (light.across.w == 0.0) return 1.0;
+  vec3 y = cross(light.across.xyz, light.axis.xyz);
+  float vertical = acos(clamp(dot(light.axis.xyz, away), -1.0, 1.0));
+  float horizontal = atan(dot(y, away), dot(light.across.xyz, away));
+  vec2 at = vec2(fract(horizontal / TWO_PI), acos(clamp(1.0 - 2.0 * INV_PI * vertical, -1.0, 1.0)) * INV_PI);
+  vec2 size = vec2(textureSize(lobe_tables, 0).xy);
+  return textureLod(lobe_tables, vec3((at * (size - 1.0) + 0.5) / size, light.across.w), 0.0).r;
+}
+#endif
+
 // Which of the six views of a point light sees a direction from it: +X -X +Y -Y +Z -Z.
 int cube_face(vec3 d) {
   vec3 a = abs(d);
@@ -164,11 +193,26 @@ float pixel_noise() {
   return fract(52.9829189 * fract(dot(at, vec2(0.06711056, 0.00583715))));
 }
 
-// The share of a light that reaches a point, [0, 1]: Fernando 2005, "Percentage-Closer Soft Shadows".
+// How the depth in a view changes with its (u, v) over the plane through a point: exact, since depth is linear there. Isidoro 2006,
+// "Shadow Mapping: GPU-based Tips and Techniques", so that a plane does not shadow itself however wide the filter is.
+vec2 depth_slope(mat4 clip_from_world, vec4 clip, vec3 normal) {
+  vec3 other = abs(normal.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0);
+  vec3 x = normalize(cross(other, normal));
+  vec4 along_x = clip_from_world * vec4(x, 0.0), along_y = clip_from_world * vec4(cross(normal, x), 0.0);
+  vec3 dx = (along_x.xyz - clip.xyz * (along_x.w / clip.w)) * vec3(0.5, -0.5, 1.0);
+  vec3 dy = (along_y.xyz - clip.xyz * (along_y.w / clip.w)) * vec3(0.5, -0.5, 1.0);
+  float area = dx.x * dy.y - dx.y * dy.x;
+  // Seen edge-on it has no slope that would mean anything.
+  if (abs(area) < 0.02 * length(dx.xy) * length(dy.xy)) return vec2(0.0);
+  return vec2(dx.z * dy.y - dy.z * dx.y, dy.z * dx.x - dx.z * dy.x) / area;
+}
+
+// The share of a light that reaches a point, [0, 1]: Fernando 2005, "Percentage-Closer Soft Shadows". `normal`: of the surface, without
+// a map.
 float light_visibility(LightRow light, vec3 position, vec3 normal, vec3 to_light, float distance_m) {
   if (light.shadow.x < 0.0) return 1.0;
   // Off the surface by some texels, more where the light grazes it, so that it does not shadow itself.
-  float texel_m = light.shadow.z * (light.place.w > 0.5 ? distance_m : 1.0);
+  float texel_m = light.shadow.z * (light.place.w > LIGHT_FAR ? distance_m : 1.0);
   float cosine = clamp(dot(normal, to_light), -1.0, 1.0);
   vec3 lit_side = cosine < 0.0 ? -normal : normal;
   vec3 lifted = position + (lit_side * sqrt(1.0 - cosine * cosine) + to_light) * (2.0 * texel_m);
@@ -178,6 +222,7 @@ float light_visibility(LightRow light, vec3 position, vec3 normal, vec3 to_light
   vec2 uv = at.xy * vec2(0.5, -0.5) + 0.5;
   float texel = lights.shadow_texel;
   if (clip.w <= 0.0 || any(lessThan(uv, vec2(0.0))) || any(greaterThan(uv, vec2(1.0)))) return 1.0;
+  vec2 slope = depth_slope(lights.shadow_from_world[view], clip, normal);
   float radius = 1.5 * texel;
   mat2 turn = mat2(1.0);
   if (light.shadow.y > 0.0) {
@@ -185,11 +230,12 @@ float light_visibility(LightRow light, vec3 position, vec3 normal, vec3 to_light
     float angle = TWO_PI * pixel_noise();
     turn = mat2(cos(angle), sin(angle), -sin(angle), cos(angle));
     const int kSearch = 8;
-    float search = min(0.08, light.shadow.y * (light.place.w > 0.5 ? 4.0 * at.z : 1.0 - at.z));
+    float search = min(0.08, light.shadow.y * (light.place.w > LIGHT_FAR ? 4.0 * at.z : 1.0 - at.z));
     float sum = 0.0, blockers = 0.0;
     for (int i = 0; i < kSearch; ++i) {
-      float depth = textureLod(shadow_depths, vec3(uv + turn * disc_place(i, kSearch) * search, view), 0.0).r;
-      float blocks = depth > at.z ? 1.0 : 0.0;
+      vec2 offset = turn * disc_place(i, kSearch) * search;
+      float depth = textureLod(shadow_depths, vec3(uv + offset, view), 0.0).r;
+      float blocks = depth > at.z + dot(slope, offset) ? 1.0 : 0.0;
       sum += blocks * depth;
       blockers += blocks;
     }
@@ -199,7 +245,8 @@ float light_visibility(LightRow light, vec3 position, vec3 normal, vec3 to_light
   const int kTaps = 32;
   float lit = 0.0;
   for (int i = 0; i < kTaps; ++i) {
-    lit += textureGrad(shadow_maps, vec4(uv + turn * disc_place(i, kTaps) * radius, view, at.z), vec2(0.0), vec2(0.0));
+    vec2 offset = turn * disc_place(i, kTaps) * radius;
+    lit += textureGrad(shadow_maps, vec4(uv + offset, view, at.z + dot(slope, offset)), vec2(0.0), vec2(0.0));
   }
   return lit / float(kTaps);
 }
@@ -211,7 +258,19 @@ void add_direct_light(Surface s, inout Leaving leaving) {
     vec3 to_light = light.place.xyz;
     float distance_m = 1.0, radius_rad = light.axis.w;
     vec3 irradiance = light.intensity.rgb;
-    if (light.place.w > 0.5) {
+#if FEATURE_SURFACE_LIGHTS
+    if (light.place.w >= LIGHT_RECTANGLE) {
+      to_light -= s.position;
+      distance_m = max(length(to_light), 1e-6);
+      to_light /= distance_m;
+      bool shines = light.place.w == LIGHT_BALL || light.across.w > 0.0 || dot(light.axis.xyz, to_light) < 0.0;
+      if (!shines) continue;
+      vec3 radiance = irradiance * light_visibility(light, s.position, s.vertex_normal, to_light, distance_m);
+      if (radiance != vec3(0.0)) add_surface_light(s, lit, light, radiance, distance_m, leaving);
+      continue;
+    }
+#endif
+    if (light.place.w == LIGHT_PLACE) {
       to_light -= s.position;
       distance_m = max(length(to_light), 1e-6);
       to_light /= distance_m;
@@ -221,6 +280,9 @@ void add_direct_light(Surface s, inout Leaving leaving) {
       float q = reach2 * light.intensity.w;
       float cone = clamp(dot(light.axis.xyz, -to_light) * light.cone.x + light.cone.y, 0.0, 1.0);
       irradiance *= clamp(1.0 - q * q, 0.0, 1.0) * cone * cone / reach2;
+#if FEATURE_LIGHT_PROFILES
+      irradiance *= profile_share(light, -to_light);
+#endif
       radius_rad = atan(light.axis.w, distance_m);
     }
     if (irradiance == vec3(0.0)) continue;
@@ -228,7 +290,7 @@ void add_direct_light(Surface s, inout Leaving leaving) {
     // Nothing reaches a surface that is turned away, but for the edge of a disc.
     if (dot(s.normal, to_light) < -sin(radius_rad)) continue;
 #endif
-    irradiance *= light_visibility(light, s.position, s.normal, to_light, distance_m);
+    irradiance *= light_visibility(light, s.position, s.vertex_normal, to_light, distance_m);
     if (irradiance == vec3(0.0)) continue;
     add_disc_light(s, lit, to_light, radius_rad, irradiance, leaving);
   }

@@ -103,8 +103,8 @@ TEST(Fields, OnlyOptionalThingsHaveNoDefault) {
         leaf.path.starts_with("/camera/intrinsics/f") || leaf.path.starts_with("/camera/intrinsics/c") ||
         leaf.path == "/camera/intrinsics/width" || leaf.path == "/camera/intrinsics/height" ||
         leaf.path == "/camera/lookAt/eye" || leaf.path == "/scene/lights/type" ||
-        leaf.path == "/scene/lights/fluxLumen" || leaf.path == "/scene/lights/rangeMetres" ||
-        leaf.path == "/environment/background/map" ||
+        leaf.path == "/scene/lights/fluxLumen" || leaf.path == "/scene/lights/profile" ||
+        leaf.path == "/scene/lights/rangeMetres" || leaf.path == "/environment/background/map" ||
         leaf.path == "/environment/background/rotationDegrees" ||
         leaf.path == "/environment/illuminanceLux" || leaf.path == "/environment/ground/levelMetres" ||
         leaf.path == "/environment/ground/projection/radiusMetres" || leaf.path == "/camera/gltf" ||

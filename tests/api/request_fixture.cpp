@@ -70,6 +70,13 @@ RenderSpec parse(std::string_view json, const RequestLimits& limits) {
   const std::string png("\x89PNG\r\n\x1a\n", 8);  // enough to be taken for one: parsing does not decode
   parts["a.png"] = Blob(png);
   parts["b.png"] = Blob(png + "b");
+  // An even lamp of so many candela.
+  const auto lamp = [](std::string_view candela) {
+    return fmt::format("TILT=NONE\n1 1 1 2 1 1 2 0 0 0 1 1 1\n0 180\n0\n{0} {0}\n", candela);
+  };
+  parts["a.ies"] = Blob(lamp("20"));
+  parts["b.ies"] = Blob(lamp("30"));
+  parts["broken.ies"] = Blob(lamp("-1"));
   return parse_render_request(json, AssetResolver(files, parts, {}), limits);
 }
 

@@ -2,38 +2,12 @@
 #include <cmath>
 
 #include "renderer/frame/light_plan.hpp"
-#include "renderer/scene/transform.hpp"
-#include "tests/frame/closed_form.hpp"
+#include "tests/frame/lit_floor.hpp"
 
 namespace furnace {
 namespace {
 
-// A red floor, 8 m wide, seen from straight above by parallel rays, 8 pixels a metre; all else is dark.
-class LightGlTest : public ClosedFormGlTest {
- protected:
-  static RenderSpec floor_under(const Light& light) {
-    MaterialOverride material;
-    material.base_color = glm::vec4(0.5f, 0, 0, 1);
-    material.metallic = 0.f;
-    material.perceptual_roughness = 1.f;
-    RenderSpec spec = spec_of("plane", material, glm::vec3(0));
-    spec.scene.nodes[0].scale = glm::vec3(8);
-    spec.scene.lights = {light};
-    OrbitCamera above;
-    above.elevation_rad = kPi / 2;
-    above.azimuth_rad = 0;
-    above.fit = 1;
-    above.orthographic = true;
-    spec.camera.view = above;
-    return spec;
-  }
-  // Irradiance on the floor times a constant, at x, z (m): what red has more than the colourless gloss.
-  static double light_at(const Film& film, double x, double z) {
-    const int column = int(std::floor((x + 4) * 8)), row = int(std::floor((z + 4) * 8));
-    const glm::vec3 color = pixel(film, column, row);
-    return double(color.r) - double(color.g);
-  }
-};
+class LightGlTest : public LitFloorGlTest {};
 
 Light point_at(double height_m, double candela) {
   Light light;
@@ -130,7 +104,7 @@ TEST_F(ShadowGlTest, ConvergesToThePenumbraOfADisc) {
     const double q = std::clamp((z - 1) / (d * std::tan(0.1)), -1.0, 1.0);
     const double t = 2 * std::acos(-q);
     const double expected = (t - std::sin(t)) / (2 * kPi);
-    EXPECT_NEAR(light_at(film, -1.0625, z) / lit, expected, 0.03) << z;
+    EXPECT_NEAR(light_at(film, -1.0625, z) / lit, expected, 0.01) << z;
     EXPECT_NEAR(light_at(draft, -1.0625, z) / lit, expected, 0.2) << z;  // recognisably the same
   }
 }

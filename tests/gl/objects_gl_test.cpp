@@ -241,9 +241,10 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
                  Member{"intensity", offsetof(LightBlock, lights) + offsetof(gpu::LightRow, intensity)},
                  Member{"axis", offsetof(LightBlock, lights) + offsetof(gpu::LightRow, axis)},
                  Member{"cone", offsetof(LightBlock, lights) + offsetof(gpu::LightRow, cone)},
+                 Member{"across", offsetof(LightBlock, lights) + offsetof(gpu::LightRow, across)},
                  Member{"shadow", offsetof(LightBlock, lights) + offsetof(gpu::LightRow, shadow)},
                  Member{"eye", offsetof(LightBlock, lights) + offsetof(gpu::LightRow, eye)},
-                 FURNACE_MEMBER(LightBlock, shadow_from_world)},
+                 FURNACE_MEMBER(LightBlock, shadow_from_world), FURNACE_MEMBER(LightBlock, corners)},
                 sizeof(LightBlock));
   expect_layout(program.id(), "FrameUniform",
                 {FURNACE_MEMBER(FrameBlock, clip_from_world),

@@ -96,7 +96,10 @@ TEST(ShaderLibrary, FeatureBitsAreTheListOfTheInterface) {
       {kFeatureGroundShadow, "FEATURE_GROUND_SHADOW"},
       {kFeatureGrade, "FEATURE_GRADE"},
       {kFeatureBloom, "FEATURE_BLOOM"},
-      {kFeatureEmission, "FEATURE_EMISSION"}};
+      {kFeatureEmission, "FEATURE_EMISSION"},
+      {kFeatureSurfaceLights, "FEATURE_SURFACE_LIGHTS"},
+      {kFeatureLightProfiles, "FEATURE_LIGHT_PROFILES"},
+      {kFeatureEnvironmentVisibility, "FEATURE_ENVIRONMENT_VISIBILITY"}};
   ASSERT_EQ(names.size(), std::size(expected));
   for (std::size_t bit = 0; bit < names.size(); ++bit) {
     EXPECT_EQ(expected[bit].first, FeatureSet(1) << bit);

@@ -65,9 +65,9 @@ TEST(LightCells, SpreadOverTheSphereAndSoDoesEachSubset) {
   for (const std::array<double, 3>& normal :
        {std::array{0.0, 1.0, 0.0}, {0.0, -1.0, 0.0}, {1.0, 0.0, 0.0}, {s, s, s}, {-s, s, -s}}) {
     EXPECT_NEAR(irradiance(lights, normal) / pi, 1, 0.02);
-    // 16 random directions: 14 %.
+    // 16 random directions: 14 %, three times as much at most.
     for (const std::size_t first : {0u, 5u, 15u})
-      EXPECT_NEAR(irradiance(lights, normal, first, 16) / pi, 1, 0.2) << first;
+      EXPECT_NEAR(irradiance(lights, normal, first, 16) / pi, 1, 0.45) << first;
   }
 }
 
@@ -88,10 +88,10 @@ TEST(LightCells, CrowdWhereTheLightIs) {
     ++in_lamp;
     lamp += light.irradiance[0];
   }
-  // The lamp has 40 of its solid angle; a quarter of the light is dealt evenly.
+  // The lamp has 40 of its solid angle; half as much as all light is dealt evenly.
   const double lamp_flux = 40 * (std::cos(pi / 4) - std::cos(pi * 3 / 8)) * pi / 8;
   const double flux = flux_of(lights)[0];
-  EXPECT_NEAR(double(in_lamp) / 128, lamp_flux / flux / 1.25, 0.05);
+  EXPECT_NEAR(double(in_lamp) / 128, lamp_flux / flux / 1.5, 0.05);
   EXPECT_NEAR(lamp, lamp_flux, 0.08 * lamp_flux);
 }
 
