@@ -5,7 +5,8 @@ namespace {
 
 constexpr GLuint kDrawBinding = 1, kMaterialBinding = 2, kLayerBinding = 5;
 constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kTablesUnit = 7, kGroundUnit = 13, kSkySumsUnit = 13,
-                 kShadowUnit = 14, kShadowDepthUnit = 15, kLayerUnit = 16, kBackdropUnit = 30, kBehindUnit = 31;
+                 kShadowUnit = 14, kShadowDepthUnit = 15, kLayerUnit = 16, kBackdropUnit = 30,
+                 kBehindUnit = 31;
 constexpr GLuint kColorLocation = 5;
 
 constexpr SamplerDesc kSkySampler{Wrap::kRepeat, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,

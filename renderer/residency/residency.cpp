@@ -77,10 +77,9 @@ void Residency::begin_frame() {
   ++frame_;
   uploaded_ = false;
   while (total_bytes_ > budget_bytes_) {
-    const std::uint64_t oldest =
-        std::min({meshes_.oldest(frame_), occluders_.oldest(frame_), textures_.oldest(frame_),
-                  skies_.oldest(frame_), lobe_tables_.oldest(frame_), environments_.oldest(frame_),
-                  ground_shadows_.oldest(frame_)});
+    const std::uint64_t oldest = std::min(
+        {meshes_.oldest(frame_), occluders_.oldest(frame_), textures_.oldest(frame_), skies_.oldest(frame_),
+         lobe_tables_.oldest(frame_), environments_.oldest(frame_), ground_shadows_.oldest(frame_)});
     if (oldest == frame_) break;
     meshes_.evict(oldest);
     occluders_.evict(oldest);
