@@ -130,6 +130,10 @@ class Reader {
     static constexpr Choice<SunMode> kSuns[] = {
         {"auto", SunMode::kAuto}, {"keep", SunMode::kKeep}, {"extract", SunMode::kExtract}};
     read_choice(value["sun"], kSuns, spec.sun);
+    static constexpr Choice<EnvironmentVisibility> kVisibilities[] = {{"auto", EnvironmentVisibility::kAuto},
+                                                                      {"on", EnvironmentVisibility::kOn},
+                                                                      {"off", EnvironmentVisibility::kOff}};
+    read_choice(value["visibility"], kVisibilities, spec.visibility);
     read_background(value["background"], spec.background);
     if (const Value ground = value["ground"]) read_ground(ground, spec.ground.emplace());
     if (const Value projection = value["ground"]["projection"];

@@ -8,6 +8,8 @@
 
 #include "renderer/base/error.hpp"
 #include "renderer/base/stopwatch.hpp"
+#include "renderer/frame/sky_plan.hpp"
+#include "renderer/ibl/light_cells.hpp"
 #include "renderer/residency/gpu_blocks.hpp"
 #include "renderer/scene/occluder.hpp"
 #include "renderer/prepare.hpp"
@@ -45,16 +47,23 @@ void take_lights(Preparation& out) {
                                    gpu::MOST_LIGHTS - kMostSuns)});
 }
 
-// The environment's light and that of directional lights, in world space: about `count` directions.
-std::vector<LightDirection> light_on_ground(const PreparedScene& scene, double rotation_rad, int count) {
-  const PreparedSky& sky = scene.environment->sky;
-  std::vector<LightDirection> sources = ground_light(sky.texels, count);
+// Directions that stand for the environment, as it shines in the scene.
+std::vector<LightDirection> in_world(std::vector<LightDirection> sources, const PreparedScene& scene,
+                                     double rotation_rad) {
   const glm::dmat3 world_from_environment = turned_about_y(rotation_rad);
   for (LightDirection& source : sources) {
     const glm::dvec3 turned = world_from_environment * vector_of(source.towards);
     source.towards = {turned.x, turned.y, turned.z};
-    for (double& share : source.irradiance) share *= scene.environment_intensity / sky.scale;
+    for (double& share : source.irradiance)
+      share *= scene.environment_intensity / scene.environment->sky.scale;
   }
+  return sources;
+}
+
+// The environment's light and that of directional lights, in world space: about `count` directions.
+std::vector<LightDirection> light_on_ground(const PreparedScene& scene, double rotation_rad, int count) {
+  std::vector<LightDirection> sources =
+      in_world(ground_light(scene.environment->sky.texels, count), scene, rotation_rad);
   std::vector<std::vector<LightDirection>> all = {std::move(sources)};
   for (const Light& light : scene.lights) {
     if (light.kind != LightKind::kDirectional || !light.casts_shadow) continue;
@@ -111,6 +120,16 @@ void SceneStore::prepare_meshes(Preparation& out) {
     prepared.mesh = std::shared_ptr<const Mesh>(out.composed, &meshes[i]);
     if (!resident_->contains(prepared.key))
       prepared.packed = std::make_shared<const PackedMesh>(pack_mesh(meshes[i]));
+  });
+}
+
+void SceneStore::prepare_occluders(PreparedScene& out) {
+  constexpr double kSimplifyCostUs = 5'000;
+  pool_.parallel_for(out.meshes.size(), kSimplifyCostUs, [&](std::size_t i) {
+    PreparedMesh& mesh = out.meshes[i];
+    if (mesh.mesh->topology != Topology::kTriangles || resident_->contains(occluder_key_of(mesh.key))) return;
+    mesh.occluder =
+        std::make_shared<const std::vector<std::uint32_t>>(occluder_indices(*mesh.mesh, kSurfaceOccluder));
   });
 }
 
@@ -202,6 +221,13 @@ void SceneStore::prepare_environment(const RenderSpec& spec, const Deadline& dea
           environments_.background(seen->map.value_or(wanted.map), seen->blur_rad, deadline, times);
     }
   }
+  if (const int views = sky_views_wanted(spec); views > 0) {
+    scene.sky_lights = in_world(light_cells(scene.environment->sky.texels, views * spec.output.samples),
+                                scene, wanted.rotation_rad);
+    if (!scene.sky_lights.empty())
+      scene.sky_sums = light_sums(scene.sky_lights, gpu::SKY_SUMS_PX, gpu::SKY_LOBES, pool_);
+    prepare_occluders(out.scene);
+  }
   if (wanted.ground) prepare_ground(spec, times, out);
 }
 
@@ -239,7 +265,8 @@ void SceneStore::prepare_ground(const RenderSpec& spec, StageTimes& times, Prepa
       ground.occluders.resize(meshes.size());
       constexpr double kSimplifyCostUs = 5'000;
       pool_.parallel_for(meshes.size(), kSimplifyCostUs, [&](std::size_t i) {
-        if (meshes[i].topology == Topology::kTriangles) ground.occluders[i] = occluder_indices(meshes[i]);
+        if (meshes[i].topology == Topology::kTriangles)
+          ground.occluders[i] = occluder_indices(meshes[i], kGroundOccluder);
       });
     }
   }

@@ -33,6 +33,7 @@ class SceneStore {
  private:
   std::shared_ptr<const ComposedScene> compose(const SceneSpec& spec, const Deadline& deadline, bool& hit);
   void prepare_meshes(Preparation& out);
+  void prepare_occluders(PreparedScene& out);
   void prepare_textures(PreparedScene& out, const Scene& scene, std::vector<Note>& notes, bool& hit);
   void prepare_environment(const RenderSpec& spec, const Deadline& deadline, StageTimes& times,
                            Preparation& out);

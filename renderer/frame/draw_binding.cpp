@@ -4,8 +4,9 @@ namespace furnace {
 namespace {
 
 constexpr GLuint kDrawBinding = 1, kMaterialBinding = 2, kLayerBinding = 5;
-constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kTablesUnit = 7, kGroundUnit = 13, kShadowUnit = 14,
-                 kShadowDepthUnit = 15, kLayerUnit = 16, kBackdropUnit = 30, kBehindUnit = 31;
+constexpr GLuint kSkyUnit = 5, kAtlasUnit = 6, kTablesUnit = 7, kGroundUnit = 13, kSkySumsUnit = 13,
+                 kShadowUnit = 14, kShadowDepthUnit = 15, kLayerUnit = 16, kBackdropUnit = 30,
+                 kBehindUnit = 31;
 constexpr GLuint kColorLocation = 5;
 
 constexpr SamplerDesc kSkySampler{Wrap::kRepeat, Wrap::kClampToEdge, Filter::kLinear, Filter::kLinear,
@@ -41,6 +42,9 @@ void bind_environment(const PassContext& pass) {
   glBindSampler(kAtlasUnit, samplers.get(pass.context, kTableSampler));
   glBindTextureUnit(kTablesUnit, pass.scene.lobe_tables->texture.id());
   glBindSampler(kTablesUnit, samplers.get(pass.context, kTableSampler));
+  if (pass.sky_sums == nullptr) return;
+  glBindTextureUnit(kSkySumsUnit, pass.sky_sums->id());
+  glBindSampler(kSkySumsUnit, samplers.get(pass.context, kTableSampler));
 }
 
 void bind_texels(gl::Context& context, Residency& residency, GLuint unit, const gl::Texture& texture) {
@@ -114,6 +118,16 @@ void draw_mesh(const Draw& draw, GLenum face, GLsizei instances) {
   glVertexAttrib4f(kColorLocation, 1, 1, 1, 1);
   glBindVertexArray(draw.mesh->vertex_array.id());
   glDrawElementsInstanced(draw.mesh->mode, draw.mesh->index_count, GL_UNSIGNED_INT, nullptr, instances);
+}
+
+void draw_occluder(const Draw& draw, const GpuOccluder& occluder, GLsizei instances) {
+  if (occluder.count == 0) return;
+  glDisable(GL_CULL_FACE);
+  const GLuint vertex_array = draw.mesh->vertex_array.id();
+  glVertexArrayElementBuffer(vertex_array, occluder.indices.id());
+  glBindVertexArray(vertex_array);
+  glDrawElementsInstanced(GL_TRIANGLES, occluder.count, GL_UNSIGNED_INT, nullptr, instances);
+  glVertexArrayElementBuffer(vertex_array, draw.mesh->indices.id());
 }
 
 }  // namespace furnace

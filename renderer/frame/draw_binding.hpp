@@ -33,5 +33,7 @@ void bind_program(const PassContext& pass, const char* vertex, const char* fragm
 void draw_viewport(const gl::VertexArray& empty_vertex_array);
 // The draw's mesh; culls `face`, or nothing for GL_NONE.
 void draw_mesh(const Draw& draw, GLenum face, GLsizei instances = 1);
+// Other triangles over the mesh's vertices, from both sides.
+void draw_occluder(const Draw& draw, const GpuOccluder& occluder, GLsizei instances = 1);
 
 }  // namespace furnace

@@ -5,13 +5,15 @@
 #include "renderer/frame/frame_uniform.hpp"
 #include "renderer/frame/ground_shadow.hpp"
 #include "renderer/frame/layer_view.hpp"
+#include "renderer/frame/light_plan.hpp"
 #include "renderer/frame/passes.hpp"
+#include "renderer/frame/sky_plan.hpp"
 #include "renderer/gl/readback.hpp"
 
 namespace furnace {
 namespace {
 
-constexpr GLuint kFrameBinding = 0, kLightBinding = 4;
+constexpr GLuint kFrameBinding = 0, kLightBinding = 4, kSkyBinding = 6;
 
 // lib/visibility.glsl: key_of().
 std::uint32_t key_of_visibility(std::uint32_t y) {
@@ -54,6 +56,42 @@ gl::Buffer bind_frame(gl::Context& context, const gpu::FrameBlock& frame) {
 FrameRenderer::FrameRenderer(gl::Context& context, gl::ProgramCache& programs)
     : context_(context), programs_(programs), empty_vertex_array_(gl::create_vertex_array(context)) {}
 
+// What shines on the sub-frame, and the maps of what it casts shadows of.
+FrameRenderer::LightBuffers FrameRenderer::draw_shadows(const FrameJob& job, const PassContext& pass,
+                                                        std::size_t subframe) {
+  const PreparedScene& prepared = job.prepared;
+  const std::size_t subframes = pass.plan.jitter_px.size();
+  LightPlan lights;
+  if (!prepared.lights.empty())
+    lights = plan_lights(prepared.lights, prepared.bounds, {pass.tile.x, pass.tile.y}, int(subframe),
+                         int(subframes));
+  SkyPlan sky;
+  if (job.sky_sums != nullptr) {
+    if (prepared.lights.empty()) lights.side_px = kSkyMapPx;
+    sky = plan_sky(prepared.sky_lights, prepared.bounds, prepared.sky_sums.least_alpha, lights.views,
+                   lights.side_px, int(subframe), int(subframes));
+  }
+  LightBuffers buffers;
+  if (prepared.lights.empty() && job.sky_sums == nullptr) return buffers;
+  const int sky_views = int(sky.clip_from_world.size());
+  provide_shadows(context_, lights.side_px, std::max(lights.views + sky_views, 1), job.targets);
+  if (!prepared.lights.empty()) {
+    buffers.lights = gl::create_buffer(context_, &lights.block, sizeof lights.block);
+    glBindBufferBase(GL_UNIFORM_BUFFER, kLightBinding, buffers.lights.id());
+  }
+  if (job.sky_sums != nullptr) {
+    buffers.sky = gl::create_buffer(context_, &sky.block, sizeof sky.block);
+    glBindBufferBase(GL_UNIFORM_BUFFER, kSkyBinding, buffers.sky.id());
+  }
+  // A lone sub-frame's maps are the same for every tile.
+  const Tile& first = pass.plan.tiles.front();
+  if (subframes == 1 && (pass.tile.x != first.x || pass.tile.y != first.y)) return buffers;
+  pass_shadow(pass, std::span(lights.block.shadow_from_world).first(std::size_t(lights.views)), 0,
+              Casters::kExact);
+  pass_shadow(pass, sky.clip_from_world, lights.views, Casters::kSimplified);
+  return buffers;
+}
+
 // One sub-frame of one tile, accumulated where there are several. `glow`: of the whole picture, empty where there is no bloom; null: the tile
 // is one of the backdrop.
 void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, const Tile& tile,
@@ -66,17 +104,9 @@ void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, co
   const gl::Buffer uniform = bind_frame(context_, frame);
   PassContext pass{context_, programs_,           job.residency, plan, job.targets,    job.scene,
                    tile,     empty_vertex_array_, frame,         glow, glow == nullptr};
+  pass.sky_sums = job.sky_sums;
   if (subframes > 1 || pass.is_backdrop) pass.sum = &*job.targets.accumulated;
-  gl::Buffer light_uniform;
-  if (!job.prepared.lights.empty()) {
-    const LightPlan lights = plan_lights(job.prepared.lights, job.prepared.bounds, {tile.x, tile.y},
-                                         int(subframe), int(subframes));
-    provide_shadows(context_, lights.side_px, std::max(lights.views, 1), job.targets);
-    light_uniform = gl::create_buffer(context_, &lights.block, sizeof lights.block);
-    glBindBufferBase(GL_UNIFORM_BUFFER, kLightBinding, light_uniform.id());
-    // A lone sub-frame's maps are the same for every tile.
-    if (subframes > 1 || &tile == &plan.tiles.front()) pass_shadow(pass, lights);
-  }
+  const LightBuffers lights = draw_shadows(job, pass, subframe);
   pass_visibility(pass);
   if (!pass.is_backdrop) draw_layers(job, pass, subframe);
   const bool emission = !pass.is_backdrop && plan.bloom && plan.bloom->source == BloomSource::kEmission;
@@ -177,7 +207,11 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
                   {veil, subframes > 1 || scene.nearest_glass_m, emission, plan.layers.sources.size()},
                   targets);
   FilmLayers layers(plan, view, prepared);
-  const FrameJob job{residency, plan, view, scene, prepared, deadline, *targets, layers};
+  std::optional<gl::Texture> sky_sums;
+  if (plan.sky_views > 0 && !prepared.sky_lights.empty() && !prepared.bounds.empty())
+    sky_sums = gl::upload_texture(context_, prepared.sky_sums.maps, false);
+  const FrameJob job{
+      residency, plan, view, scene, prepared, deadline, *targets, layers, sky_sums ? &*sky_sums : nullptr};
   gl::Texture glow;
   if (plan.bloom && !plan.glow_only) glow = gl::upload_texture(context_, plan.bloom->glow, false);
   FrameResult result;

@@ -12,6 +12,8 @@
 
 namespace furnace {
 
+struct PassContext;
+
 struct FrameResult {
   // RGBA of the plan's film_type, straight alpha for kUint8/16, premultiplied else; of a film layer's numbers what view_of() makes.
   Image pixels;
@@ -46,7 +48,12 @@ class FrameRenderer {
     const Deadline& deadline;
     FrameTargets& targets;
     FilmLayers& layers;
+    const gl::Texture* sky_sums;  // as PassContext's
   };
+  struct LightBuffers {
+    gl::Buffer lights, sky;
+  };
+  LightBuffers draw_shadows(const FrameJob& job, const PassContext& pass, std::size_t subframe);
   void draw_backdrop(const FrameJob& job);
   void draw_places(const FrameJob& job, const Tile& tile);
   void draw_layers(const FrameJob& job, const PassContext& pass, std::size_t subframe);

@@ -66,30 +66,20 @@ gpu::GroundBlock pack_ground(const PreparedGround& ground, const GroundRectangle
   return block;
 }
 
-// Triangles over the vertices of a mesh.
-struct Occluder {
-  gl::Buffer indices;
-  GLsizei count = 0;
-};
-
 // `occluder`: in place of the mesh's own triangles, where nothing but their place counts; may be null.
 void cast(gl::Context& context, gl::ProgramCache& programs, const GpuScene& scene, const Draw& draw,
-          const Occluder* occluder, GLsizei lights) {
+          const GpuOccluder* occluder, GLsizei lights) {
   const gl::FeatureSet features = caster_features(draw);
   glUseProgram(programs.request(context, {"ground/cast.vert", "ground/cast.frag", features}));
   bind_draw(scene, draw);
   if (features != 0 || occluder == nullptr) return draw_mesh(draw, GL_NONE, lights);
-  const GLuint vertex_array = draw.mesh->vertex_array.id();
-  glVertexArrayElementBuffer(vertex_array, occluder->indices.id());
-  glBindVertexArray(vertex_array);
-  glDrawElementsInstanced(GL_TRIANGLES, occluder->count, GL_UNSIGNED_INT, nullptr, lights);
-  glVertexArrayElementBuffer(vertex_array, draw.mesh->indices.id());
+  draw_occluder(draw, *occluder, lights);
 }
 
-std::vector<Occluder> upload_occluders(gl::Context& context, const PreparedGround& ground) {
-  std::vector<Occluder> occluders;
+std::vector<GpuOccluder> upload_occluders(gl::Context& context, const PreparedGround& ground) {
+  std::vector<GpuOccluder> occluders;
   for (const std::vector<std::uint32_t>& indices : ground.occluders) {
-    Occluder occluder;
+    GpuOccluder occluder;
     occluder.count = GLsizei(indices.size());
     if (!indices.empty())
       occluder.indices = gl::create_buffer(context, indices.data(), indices.size() * sizeof(std::uint32_t));
@@ -135,7 +125,7 @@ GpuGroundShadow draw_ground_shadow(gl::Context& context, gl::ProgramCache& progr
   const gl::Texture lights = gl::create_texture(context, GL_RGBA32UI, extent, 1);
   const gl::Framebuffer collected = gl::create_framebuffer(context, lights, {});
 
-  const std::vector<Occluder> occluders = upload_occluders(context, ground);
+  const std::vector<GpuOccluder> occluders = upload_occluders(context, ground);
 
   gl::PassState gather;
   gather.framebuffer = sum.id();
@@ -157,7 +147,7 @@ GpuGroundShadow draw_ground_shadow(gl::Context& context, gl::ProgramCache& progr
       for (const Draw& draw : *draws) {
         check_deadline(deadline, "ground shadow");
         if (draw.mesh->mode != GL_TRIANGLES) continue;
-        const Occluder& occluder = occluders[std::size_t(draw.source_mesh)];
+        const GpuOccluder& occluder = occluders[std::size_t(draw.source_mesh)];
         cast(context, programs, scene, draw, occluder.count > 0 ? &occluder : nullptr,
              GLsizei(block.light_count));
       }

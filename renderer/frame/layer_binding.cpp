@@ -70,7 +70,10 @@ GLuint shown_number(FilmLayer source) {
 
 gl::FeatureSet shown_features(const PassContext& pass, gl::FeatureSet features) {
   if (pass.emission) return features | gl::kFeatureEmission;
-  if (!pass.shown) return features;
+  const bool is_lit = (features & gl::kFeatureUnlit) == 0;
+  const gl::FeatureSet hidden =
+      pass.sky_sums != nullptr && is_lit ? gl::FeatureSet(gl::kFeatureEnvironmentVisibility) : 0;
+  if (!pass.shown) return features | hidden;
   switch (row_of(*pass.shown).kind) {
     case FilmLayerKind::kPlace:
       return (features & kValueFeatures) | gl::kFeatureSurfaceValue | gl::kFeatureNearest;
@@ -79,7 +82,7 @@ gl::FeatureSet shown_features(const PassContext& pass, gl::FeatureSet features) 
     case FilmLayerKind::kTerm:
       return (features & ~kOtherLobes) | gl::kFeatureLightTerm;
     default:
-      return features | gl::kFeatureLightPart;
+      return features | hidden | gl::kFeatureLightPart;
   }
 }
 

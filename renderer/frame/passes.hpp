@@ -1,9 +1,10 @@
 // The passes of a frame, in the order they run. Each sets all state it relies on.
 #pragma once
 
+#include <span>
+
 #include "renderer/frame/frame_plan.hpp"
 #include "renderer/frame/frame_targets.hpp"
-#include "renderer/frame/light_plan.hpp"
 #include "renderer/gl/program.hpp"
 #include "renderer/residency/draw_list.hpp"
 
@@ -27,6 +28,8 @@ struct PassContext {
   std::optional<FilmLayer> shown = {};  // in place of radiance: one of LayerPlan::sources
   const ColorTarget* sum =
       nullptr;  // where sub-frames are added up; null: a lone one is resolved as it was shaded
+  // Maps of light_sums.hpp; null where surfaces see all of the environment, whatever the scene hides.
+  const gl::Texture* sky_sums = nullptr;
 
   bool shows(FilmLayerKind kind) const { return shown && row_of(*shown).kind == kind; }
   bool veiled() const {
@@ -36,8 +39,11 @@ struct PassContext {
   float veil_exposure() const { return shows(FilmLayerKind::kValue) ? 1 : float(plan.exposure); }
 };
 
-// What each view of `lights` sees of the scene, into its shadow map.
-void pass_shadow(const PassContext& pass, const LightPlan& lights);
+enum class Casters { kExact, kSimplified };
+
+// What each view sees of the scene, into its layer of the shadow maps.
+void pass_shadow(const PassContext& pass, std::span<const glm::mat4> clip_from_world, int first_layer,
+                 Casters casters);
 // Opaque and masked triangles: which one each sample sees.
 void pass_visibility(const PassContext& pass);
 // Lines and points, then blended surfaces, farthest first, where no opaque triangle hides them.

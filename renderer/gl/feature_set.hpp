@@ -45,6 +45,7 @@ enum Feature : FeatureSet {
   kFeatureLightPart = 1ull << 34,
   kFeatureLightTerm = 1ull << 35,
   kFeatureNearest = 1ull << 36,
+  kFeatureEnvironmentVisibility = 1ull << 37,
 };
 
 }  // namespace furnace::gl

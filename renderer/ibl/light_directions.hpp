@@ -1,4 +1,4 @@
-// Light on a horizontal plane, as a number of directions that stand for all of it.
+// Light as a number of directions that stand for all of it; on a horizontal plane.
 #pragma once
 
 #include <array>
@@ -10,8 +10,8 @@ namespace furnace {
 
 // Threads: a value.
 struct LightDirection {
-  std::array<double, 3> towards{};     // unit, y > 0
-  std::array<double, 3> irradiance{};  // RGB, of the plane
+  std::array<double, 3> towards{};     // unit
+  std::array<double, 3> irradiance{};  // RGB: of the plane, here; else as a list says
 };
 
 // `count` directions above the horizon, as dense as their light on the plane; their irradiances add up to the map's. The same

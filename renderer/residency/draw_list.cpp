@@ -165,6 +165,10 @@ bool make_gpu_scene(gl::Context& context, Residency& residency, const PreparedSc
     Draw draw;
     draw.mesh = residency.mesh(mesh);
     if (draw.mesh == nullptr) return false;
+    if (!scene.sky_lights.empty() && mesh.mesh->topology == Topology::kTriangles) {
+      draw.occluder = residency.occluder(mesh);
+      if (draw.occluder == nullptr) return false;
+    }
     draw.source_mesh = instance.mesh;
     draw.material = instance.material;
     draw.block = int(draw_blocks.size());

@@ -23,9 +23,10 @@ struct GpuMaterial {
 
 struct Draw {
   const GpuMesh* mesh = nullptr;
-  int source_mesh = 0;  // index into PreparedScene::meshes
-  int material = 0;     // index into GpuScene::materials
-  int block = 0;        // index into draw_blocks
+  const GpuOccluder* occluder = nullptr;  // of triangles where the environment casts shadows
+  int source_mesh = 0;                    // index into PreparedScene::meshes
+  int material = 0;                       // index into GpuScene::materials
+  int block = 0;                          // index into draw_blocks
   gl::FeatureSet features = 0;
   bool mirrored = false;  // negative determinant: front faces wind the other way
   float distance = 0;     // m, eye to the centre of the bounds

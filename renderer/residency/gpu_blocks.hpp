@@ -22,10 +22,11 @@ using uint = std::uint32_t;
 #include "shaders/interface/light_block.glsl"
 #include "shaders/interface/material_block.glsl"
 #include "shaders/interface/shown.glsl"
+#include "shaders/interface/sky_block.glsl"
 
 static_assert(sizeof(DrawBlock) % 16 == 0 && sizeof(FrameBlock) % 16 == 0 &&
               sizeof(MaterialBlock) % 16 == 0 && sizeof(GroundBlock) % 16 == 0 &&
-              sizeof(LayerBlock) % 16 == 0 && sizeof(LightBlock) % 16 == 0);
+              sizeof(LayerBlock) % 16 == 0 && sizeof(LightBlock) % 16 == 0 && sizeof(SkyBlock) % 16 == 0);
 
 // The first uses are those of every material, with rows in MaterialBlock; the others are layers', with rows in LayerBlock.
 inline constexpr std::size_t kCoreTextures = 5, kLayerTextures = kTextureUses - kCoreTextures;

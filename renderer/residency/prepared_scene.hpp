@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "renderer/base/content_hash.hpp"
-#include "renderer/ibl/light_directions.hpp"
+#include "renderer/ibl/light_sums.hpp"
 #include "renderer/ibl/octahedral_atlas.hpp"
 #include "renderer/ibl/suns.hpp"
 #include "renderer/image/decode.hpp"
@@ -21,7 +21,14 @@ struct PreparedMesh {
   std::shared_ptr<const Mesh> mesh;  // shares its scene's life
   // Null when it was resident on the GPU a moment ago, so nothing was packed.
   std::shared_ptr<const PackedMesh> packed;
+  // Where the environment casts shadows: the triangles that stand for the mesh in them (scene/occluder.hpp). Null as `packed`.
+  std::shared_ptr<const std::vector<std::uint32_t>> occluder;
 };
+
+// Of PreparedMesh::occluder, by that of its mesh.
+inline ContentHash occluder_key_of(const ContentHash& mesh) {
+  return HashBuilder().add("occluder").add(mesh).finish();
+}
 
 struct PreparedTexture {
   ContentHash key;  // of the encoded bytes and the colour space
@@ -91,6 +98,9 @@ struct PreparedScene {
   Bounds bounds;  // of every vertex, world; empty when nothing is drawn
   std::shared_ptr<const PreparedEnvironment> environment;
   std::shared_ptr<const PreparedSky> background;  // null where no environment is seen
+  // The environment's light for its shadows, in world space, as many for each sub-frame; empty where it casts none.
+  std::vector<LightDirection> sky_lights;
+  LightSums sky_sums;         // of them
   std::vector<Light> lights;  // at most gpu::MOST_LIGHTS; the environment's intensity is in its suns
   double environment_intensity = 1, background_intensity = 1;  // multipliers of the maps' radiance
   std::optional<PreparedGround> ground;

@@ -54,6 +54,7 @@ Residency::Residency(gl::Context& context, std::int64_t budget_bytes, std::share
       budget_bytes_(budget_bytes),
       keys_(std::move(keys)),
       meshes_(total_bytes_, *keys_),
+      occluders_(total_bytes_, *keys_),
       textures_(total_bytes_, *keys_),
       skies_(total_bytes_, *keys_),
       lobe_tables_(total_bytes_, *keys_),
@@ -64,6 +65,7 @@ Residency::Residency(gl::Context& context, std::int64_t budget_bytes, std::share
 Residency::~Residency() {
   // A rebuilt context starts with nothing.
   meshes_.clear();
+  occluders_.clear();
   textures_.clear();
   skies_.clear();
   lobe_tables_.clear();
@@ -75,11 +77,12 @@ void Residency::begin_frame() {
   ++frame_;
   uploaded_ = false;
   while (total_bytes_ > budget_bytes_) {
-    const std::uint64_t oldest =
-        std::min({meshes_.oldest(frame_), textures_.oldest(frame_), skies_.oldest(frame_),
-                  lobe_tables_.oldest(frame_), environments_.oldest(frame_), ground_shadows_.oldest(frame_)});
+    const std::uint64_t oldest = std::min(
+        {meshes_.oldest(frame_), occluders_.oldest(frame_), textures_.oldest(frame_), skies_.oldest(frame_),
+         lobe_tables_.oldest(frame_), environments_.oldest(frame_), ground_shadows_.oldest(frame_)});
     if (oldest == frame_) break;
     meshes_.evict(oldest);
+    occluders_.evict(oldest);
     textures_.evict(oldest);
     skies_.evict(oldest);
     lobe_tables_.evict(oldest);
@@ -93,6 +96,20 @@ const GpuMesh* Residency::mesh(const PreparedMesh& mesh) {
   if (mesh.packed == nullptr) return nullptr;
   uploaded_ = true;
   return meshes_.insert(mesh.key, frame_, upload_mesh(context_, *mesh.mesh, *mesh.packed));
+}
+
+const GpuOccluder* Residency::occluder(const PreparedMesh& mesh) {
+  const ContentHash key = occluder_key_of(mesh.key);
+  if (const GpuOccluder* known = occluders_.find(key, frame_)) return known;
+  if (mesh.occluder == nullptr) return nullptr;
+  uploaded_ = true;
+  const std::vector<std::uint32_t>& indices = *mesh.occluder;
+  GpuOccluder gpu;
+  gpu.count = GLsizei(indices.size());
+  gpu.bytes = indices.size() * sizeof(std::uint32_t);
+  // Nothing is left of a mesh without an area.
+  if (!indices.empty()) gpu.indices = gl::create_buffer(context_, indices.data(), gpu.bytes);
+  return occluders_.insert(key, frame_, std::move(gpu));
 }
 
 const GpuTexture* Residency::texture(const PreparedTexture& texture) {

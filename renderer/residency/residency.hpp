@@ -22,6 +22,13 @@ struct GpuTexture {
   float lowest_green = 0;  // PreparedTexture::lowest_green
 };
 
+// Triangles over the vertices of a mesh.
+struct GpuOccluder {
+  gl::Buffer indices;
+  GLsizei count = 0;
+  std::size_t bytes = 0;
+};
+
 struct GpuEnvironment {
   gl::Texture atlas;
   std::size_t bytes = 0;
@@ -111,6 +118,7 @@ class Residency {
 
   // Null when it is neither resident nor packed, or decoded: the caller must prepare it and come again.
   const GpuMesh* mesh(const PreparedMesh& mesh);
+  const GpuOccluder* occluder(const PreparedMesh& mesh);
   const GpuTexture* texture(const PreparedTexture& texture);
   const GpuTexture* sky(const PreparedSky& sky);
   const GpuEnvironment* environment(const PreparedEnvironment& environment);
@@ -134,6 +142,7 @@ class Residency {
   std::uint64_t frame_ = 0;
   bool uploaded_ = false;
   GpuCache<GpuMesh> meshes_;
+  GpuCache<GpuOccluder> occluders_;
   GpuCache<GpuTexture> textures_;
   GpuCache<GpuTexture> skies_, lobe_tables_;
   GpuCache<GpuEnvironment> environments_;

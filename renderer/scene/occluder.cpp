@@ -6,9 +6,8 @@
 
 namespace furnace {
 
-std::vector<std::uint32_t> occluder_indices(const Mesh& mesh) {
-  constexpr std::size_t kFew = 3 * 500, kShare = 40;
-  constexpr float kError = 1.f / 400;
+std::vector<std::uint32_t> occluder_indices(const Mesh& mesh, const OccluderLimits& limits) {
+  constexpr std::size_t kFew = 3 * 500;
   const std::size_t count = mesh.indices.size();
   if (count <= kFew) return mesh.indices;
   const float* positions = &mesh.positions.front().x;
@@ -19,7 +18,8 @@ std::vector<std::uint32_t> occluder_indices(const Mesh& mesh) {
                                     stride);
   float error = 0;
   simplified.resize(meshopt_simplify(simplified.data(), welded.data(), count, positions, vertices, stride,
-                                     std::max(kFew, count / kShare / 3 * 3), kError, 0, &error));
+                                     std::max(kFew, count / limits.share / 3 * 3), float(limits.error), 0,
+                                     &error));
   return simplified;
 }
 

@@ -194,8 +194,8 @@ class CanonicalHash {
   }
 
   void add(const EnvironmentSpec& value) {
-    const auto& [map, rotation_rad, intensity, illuminance_lux, sun, background, ground] = value;
-    add_all(map, rotation_rad, intensity, illuminance_lux, sun, background, ground);
+    const auto& [map, rotation_rad, intensity, illuminance_lux, sun, visibility, background, ground] = value;
+    add_all(map, rotation_rad, intensity, illuminance_lux, sun, visibility, background, ground);
   }
 
   void add(const OrbitCamera& value) {

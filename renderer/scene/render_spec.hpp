@@ -132,6 +132,11 @@ struct GroundSpec {
 // Whether the suns of a map are taken out of it and given as directional lights; kAuto: wherever some are found.
 enum class SunMode { kAuto, kKeep, kExtract };
 
+// Whether the scene keeps the environment's light from itself: in each sub-frame from some directions more, so that many
+// converge to the shadow of all of it; kAuto: from kVisibilitySamples sub-frames on.
+enum class EnvironmentVisibility { kAuto, kOn, kOff };
+inline constexpr int kVisibilitySamples = 16;  // of "high" quality
+
 struct EnvironmentSpec {
   EnvironmentMapSpec map = BuiltinName{"studio"};
   double rotation_rad = 0;  // about +Y, counter-clockwise seen from above: turns the environment as an object
@@ -139,6 +144,7 @@ struct EnvironmentSpec {
   // When given, the map is scaled so that it lights a horizontal plane with this many lux, then by `intensity`.
   std::optional<double> illuminance_lux;
   SunMode sun = SunMode::kAuto;
+  EnvironmentVisibility visibility = EnvironmentVisibility::kAuto;
   BackgroundSpec background;
   std::optional<GroundSpec> ground;
 };

@@ -209,6 +209,8 @@ void add_options(CLI::App& command, Arguments& to) {
   command.add_option("--background", options.background, "environment, transparent or #rrggbb");
   command.add_option("--background-blur", options.blur_degrees, "of the environment seen, degrees");
   command.add_flag("--ground", options.ground, "a ground that shows the scene's shadow");
+  command.add_option("--visibility", options.visibility,
+                     "whether the scene keeps the environment's light from itself: auto, on, off");
   command.add_option("--sun", options.sun, "suns of the environment: auto, keep, or extract them as lights");
   command.add_option("--width", options.width, "px");
   command.add_option("--height", options.height, "px");

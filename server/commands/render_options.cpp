@@ -85,6 +85,7 @@ std::string request_document(const RenderOptions& options, const std::string& mo
   environment.add("map", options.environment);
   environment.add("rotationDegrees", options.rotation_degrees);
   environment.add("sun", options.sun);
+  environment.add("visibility", options.visibility);
   Members background;
   if (options.background) background = background_members(*options.background);
   background.add("blurDegrees", options.blur_degrees);
@@ -140,6 +141,7 @@ void apply_options(const RenderOptions& options, const RenderSpec& said, RenderS
   if (options.rotation_degrees) spec.environment.rotation_rad = said.environment.rotation_rad;
   if (options.background || options.blur_degrees) spec.environment.background = said.environment.background;
   if (options.sun) spec.environment.sun = said.environment.sun;
+  if (options.visibility) spec.environment.visibility = said.environment.visibility;
   if (options.ground) spec.environment.ground = said.environment.ground;
   if (turns_camera(options)) spec.camera.view = said.camera.view;
   if (options.exposure_ev) spec.camera.exposure_ev = said.camera.exposure_ev;

@@ -26,6 +26,7 @@ struct RenderOptions {
   std::optional<std::string> background;   // environment, transparent or #rrggbb
   std::optional<double> blur_degrees;      // of the background
   std::optional<std::string> sun;
+  std::optional<std::string> visibility;
   std::optional<std::string> variant;  // of the model's materials, by name
   std::optional<std::string> shading_model;
   bool ground = false;

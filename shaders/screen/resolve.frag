@@ -60,6 +60,8 @@ void main() {
   }
 #endif
   float alpha = clamp(pixel.a, 0.0, 1.0);
+  // Of few sub-frames environment_visibility.glsl may take more light than there is.
+  pixel.rgb = max(pixel.rgb, vec3(0.0));
 #if FEATURE_GRADE
   // Contrast is not linear: it sees straight colours.
   float scale = exposure / (alpha > 0.0 ? alpha : 1.0);

@@ -200,8 +200,15 @@ float lobe_lean(Surface s) {
   return dfg_at(s.NoV, sqrt(s.alpha)).z;
 #endif
 }
+#if FEATURE_ENVIRONMENT_VISIBILITY
+#include "surface/environment_visibility.glsl"
+#endif
 
 Leaving environment_light(Surface s) {
+#if FEATURE_ENVIRONMENT_VISIBILITY
+  s.occlusion = 1.0;  // as path tracers do: a map of it would darken again
+  HiddenShares hidden = hidden_shares(s);
+#endif
   float perceptual_roughness = sqrt(s.alpha);
   Leaving out_light;
   vec3 normal_in_environment = constants.environment_from_world * s.normal;
@@ -224,14 +231,18 @@ Leaving environment_light(Surface s) {
   vec4 dfg = dfg_at(s.NoV, perceptual_roughness);
   Reflectance r = reflectance(s, dfg.xy);
   BodyShares body = body_shares(s, r.body);
+#if FEATURE_ENVIRONMENT_VISIBILITY && !FEATURE_ANISOTROPY
+  out_light.specular = r.specular * seen_specular(s, hidden, dfg.z);
+#else
   out_light.specular = r.specular * specular_radiance(s, dfg.z, perceptual_roughness);
+#endif
 #endif
   out_light.diffuse = body.reflected * diffuse_radiance(normal_in_environment) * s.occlusion;
   out_light.specular *= specular_occlusion(s.NoV, s.occlusion, s.alpha);
   out_light.through = vec3(0.0);
   out_light.see_through = vec3(0.0);
 #if FEATURE_DIFFUSE_TRANSMISSION
-  out_light.diffuse += body.scattered * diffuse_radiance(-normal_in_environment);
+  vec3 scattered = body.scattered * diffuse_radiance(-normal_in_environment);
 #endif
 #if FEATURE_TRANSMISSION
   add_transmitted(s, body.seen, out_light.through, out_light.see_through);
@@ -246,6 +257,24 @@ Leaving environment_light(Surface s) {
                                            sqrt(s.clearcoat_alpha)) *
                         specular_albedo(vec3(0.04), vec3(1.0), coat_dfg.xy) *
                         specular_occlusion(s.clearcoat_NoV, s.occlusion, s.clearcoat_alpha);
+#endif
+#if FEATURE_ENVIRONMENT_VISIBILITY
+  out_light.diffuse *= 1.0 - hidden.diffuse;
+#if FEATURE_PHONG || FEATURE_SCHLICK_BECKMANN || FEATURE_ANISOTROPY
+  out_light.specular *= 1.0 - hidden.specular;
+#endif
+#if FEATURE_DIFFUSE_TRANSMISSION
+  scattered *= 1.0 - hidden.scattered;
+#endif
+#if FEATURE_SHEEN
+  out_light.sheen *= 1.0 - hidden.sheen;
+#endif
+#if FEATURE_CLEARCOAT
+  out_light.clearcoat *= 1.0 - hidden.clearcoat;
+#endif
+#endif
+#if FEATURE_DIFFUSE_TRANSMISSION
+  out_light.diffuse += scattered;
 #endif
   return out_light;
 }

@@ -4,7 +4,9 @@
 
 layout(std140, binding = 4) uniform LightUniform { LightBlock lights; };
 layout(binding = 14) uniform sampler2DArrayShadow shadow_maps;
+#if !FEATURE_ENVIRONMENT_VISIBILITY
 layout(binding = 15) uniform sampler2DArray shadow_depths;  // the same texels, without comparison
+#endif
 
 // Karis 2013, "Real Shading in Unreal Engine 4": of the disc's points the one nearest to the mirror direction stands for all.
 vec3 representative_direction(vec3 towards, float radius_rad, vec3 mirror) {

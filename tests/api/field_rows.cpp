@@ -253,6 +253,7 @@ constexpr FieldRow kFieldRows[] = {
     {"/scene/modelLights", R"({"scene":{"modelLights":@}})", "true", "false"},
     {"/environment/illuminanceLux", R"({"environment":{"illuminanceLux":@}})", "1000", "2000"},
     {"/environment/sun", R"({"environment":{"sun":@}})", R"("keep")", R"("extract")"},
+    {"/environment/visibility", R"({"environment":{"visibility":@}})", R"("on")", R"("off")"},
     {"/environment/background/map", R"({"environment":{"background":{"map":@}}})", R"("builtin:clear-sky")",
      R"("part:sky.hdr")"},
     {"/environment/background/rotationDegrees", R"({"environment":{"background":{"rotationDegrees":@}}})",

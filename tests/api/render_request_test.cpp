@@ -147,6 +147,10 @@ TEST(RenderRequest, CamerasAreOneOfThree) {
       "top");
 }
 
+TEST(RenderRequest, HighQualityIsWhereVisibilityBegins) {
+  EXPECT_EQ(samples_for_quality("high"), kVisibilitySamples);
+}
+
 TEST(RenderRequest, QualityIsANumberOfSamplesByName) {
   for (const QualityLevel& level : kQualityLevels) {
     const std::string name(level.name);

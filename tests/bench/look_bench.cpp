@@ -26,6 +26,7 @@ struct Look {
   const char* material = "";
   const char* scene = "";
   const char* output = "";
+  const char* environment = "";
 };
 
 constexpr Look kLooks[] = {
@@ -54,14 +55,15 @@ constexpr Look kLooks[] = {
     {"light", "sphere", "", R"(,"lights":[{"type":"sphere","position":[2,2,2],"luminanceNits":9}])"},
     {"quality", "draft", "", "", R"(,"quality":"draft")"},
     {"quality", "high", "", "", R"(,"quality":"high")"},
+    {"quality", "high, all seen", "", "", R"(,"quality":"high")", R"("visibility":"off")"},
     {"film", "bloom", "", "", R"(,"bloom":{})"},
 };
 
 std::string document_of(const Look& look) {
   return fmt::format(
       R"({{"scene":{{"nodes":[{{"mesh":"builtin:sphere","material":"m"}}],)"
-      R"("materials":{{"m":{{"roughness":0.3{}}}}}{}}},"output":{{"width":512,"height":512{}}}}})",
-      look.material, look.scene, look.output);
+      R"("materials":{{"m":{{"roughness":0.3{}}}}}{}}},"environment":{{{}}},"output":{{"width":512,"height":512{}}}}})",
+      look.material, look.scene, look.environment, look.output);
 }
 
 double cpu_ms() {

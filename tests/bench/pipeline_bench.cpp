@@ -24,12 +24,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kWarmRenders = 20;  // a batch, as a user's
+constexpr int kFewWarmRenders = 3;
 const fs::path kData = fs::path(FURNACE_SOURCE_DIR).parent_path() / "shared" / "data";
 
 struct Subject {
   std::string name;
   std::string model;        // below kData, or empty: the built-in shader ball
   std::string environment;  // below kData, or empty: the built-in studio
+  int samples = 1;
+  EnvironmentVisibility visibility = EnvironmentVisibility::kOff;
 };
 
 double wall_ms() {
@@ -48,6 +51,8 @@ double peak_rss_mb() {
 RenderSpec spec_of(const Subject& subject, FileAssets& files, int side) {
   RenderSpec spec;
   spec.output.width = spec.output.height = side;
+  spec.output.samples = subject.samples;
+  spec.environment.visibility = subject.visibility;
   if (subject.model.empty()) {
     NodeSpec ball;
     ball.mesh = "shader-ball";
@@ -97,21 +102,22 @@ Row measure(const Subject& subject, int side) {
   row.cold = first.times;
   row.bytes = first.bytes.size();
 
+  const int renders = subject.samples == 1 ? kWarmRenders : kFewWarmRenders;
   std::vector<double> latencies;
   const double warm_start = wall_ms(), warm_start_cpu = cpu_ms();
-  for (int i = 0; i < kWarmRenders; ++i) {
+  for (int i = 0; i < renders; ++i) {
     const double begin = wall_ms();
     const EncodedImage image = service.render(spec, Deadline());
     latencies.push_back(wall_ms() - begin);
-    add(row.warm, image.times, 1.0 / kWarmRenders);
+    add(row.warm, image.times, 1.0 / renders);
     if (image.bytes != first.bytes) fail(ErrorCode::kInternal, "a warm picture differs from the cold one");
   }
   const double elapsed = wall_ms() - warm_start;
-  row.warm_mean_ms = elapsed / kWarmRenders;
-  row.warm_cpu_ms = (cpu_ms() - warm_start_cpu) / kWarmRenders;
-  row.per_second = kWarmRenders * 1000 / elapsed;
-  std::nth_element(latencies.begin(), latencies.begin() + kWarmRenders / 2, latencies.end());
-  row.warm_p50_ms = latencies[kWarmRenders / 2];
+  row.warm_mean_ms = elapsed / renders;
+  row.warm_cpu_ms = (cpu_ms() - warm_start_cpu) / renders;
+  row.per_second = renders * 1000 / elapsed;
+  std::nth_element(latencies.begin(), latencies.begin() + renders / 2, latencies.end());
+  row.warm_p50_ms = latencies[std::size_t(renders) / 2];
   return row;
 }
 
@@ -129,18 +135,18 @@ double first_picture_ms(const std::string& program, const std::string& arguments
 }
 
 void print(const std::vector<Row>& rows) {
-  fmt::print("{:<14}{:>6}{:>6} {:>9}{:>9}{:>9}{:>9}{:>9}{:>9}\n", "subject", "px", "", "decode", "bake",
+  fmt::print("{:<20}{:>6}{:>6} {:>9}{:>9}{:>9}{:>9}{:>9}{:>9}\n", "subject", "px", "", "decode", "bake",
              "upload", "draw", "readback", "encode");
   for (const Row& row : rows) {
     for (const auto& [label, t] : {std::pair{"cold", row.cold}, std::pair{"warm", row.warm}}) {
-      fmt::print("{:<14}{:>6}{:>6} {:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.2f}{:>9.1f}\n", row.subject, row.side,
+      fmt::print("{:<20}{:>6}{:>6} {:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.2f}{:>9.1f}\n", row.subject, row.side,
                  label, t.decode_ms, t.bake_ms, t.upload_ms, t.draw_ms, t.readback_ms, t.encode_ms);
     }
   }
   fmt::print("\n{:<14}{:>6} {:>9}{:>10}{:>10}{:>10}{:>9}{:>13}{:>12}\n", "subject", "px", "cold ms",
              "warm p50", "warm cpu", "images/s", "kB", "encode/draw", "warm share");
   for (const Row& row : rows) {
-    fmt::print("{:<14}{:>6} {:>9.0f}{:>10.1f}{:>10.1f}{:>10.1f}{:>9}{:>13.2f}{:>12.3f}\n", row.subject,
+    fmt::print("{:<20}{:>6} {:>9.0f}{:>10.1f}{:>10.1f}{:>10.1f}{:>9}{:>13.2f}{:>12.3f}\n", row.subject,
                row.side, row.cold_ms, row.warm_p50_ms, row.warm_cpu_ms, row.per_second, row.bytes / 1000,
                row.encode_to_draw(), row.warm_share());
   }
@@ -182,6 +188,14 @@ nlohmann::json run(const std::string& self) {
   std::vector<Row> rows;
   for (const Subject& subject : subjects) {
     for (const int side : {512, 1024}) rows.push_back(measure(subject, side));
+  }
+  for (Subject subject : subjects) {
+    subject.samples = kVisibilitySamples;
+    subject.name += " high";
+    rows.push_back(measure(subject, 512));
+    subject.visibility = EnvironmentVisibility::kOn;
+    subject.name += " +";
+    rows.push_back(measure(subject, 512));
   }
   print(rows);
 

@@ -182,11 +182,12 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
               "layout(std140, binding = 0) uniform FrameUniform { FrameBlock frame; };\n"
               "layout(std140, binding = 1) uniform DrawUniform { DrawBlock draw; };\n"
               "layout(std140, binding = 2) uniform MaterialUniform { MaterialBlock material; };\n"
-              "#include \"interface/light_block.glsl\"\n"
+              "#include \"interface/light_block.glsl\"\n#include \"interface/sky_block.glsl\"\n"
               "layout(std140, binding = 3) uniform GroundUniform { GroundBlock ground; };\n"
               "layout(std140, binding = 5) uniform LightUniform { LightBlock lights; };\n"
               "#include \"interface/layer_block.glsl\"\n"
               "layout(std140, binding = 6) uniform LayerUniform { LayerBlock layers; };\n"
+              "layout(std140, binding = 7) uniform SkyUniform { SkyBlock sky; };\n"
               "layout(std430, binding = 4) buffer Out { float result; };\n"
               "void main() { result = frame.point_size_samples + draw.handedness + material.metallic + "
               "ground.level; }\n");
@@ -228,6 +229,17 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
                  FURNACE_MEMBER(LayerBlock, is_phong), FURNACE_MEMBER(LayerBlock, pad_0),
                  FURNACE_MEMBER(LayerBlock, pad_1), FURNACE_MEMBER(LayerBlock, uv_rows)},
                 sizeof(LayerBlock));
+  using gpu::SkyBlock;
+  using gpu::SkyView;
+  expect_layout(program.id(), "SkyUniform",
+                {FURNACE_MEMBER(SkyBlock, count), FURNACE_MEMBER(SkyBlock, least_alpha),
+                 FURNACE_MEMBER(SkyBlock, map_px), FURNACE_MEMBER(SkyBlock, first_layer),
+                 Member{"towards", offsetof(SkyBlock, views) + offsetof(SkyView, towards)},
+                 Member{"light", offsetof(SkyBlock, views) + offsetof(SkyView, light)},
+                 Member{"map_u", offsetof(SkyBlock, views) + offsetof(SkyView, map_u)},
+                 Member{"map_v", offsetof(SkyBlock, views) + offsetof(SkyView, map_v)},
+                 Member{"map_depth", offsetof(SkyBlock, views) + offsetof(SkyView, map_depth)}},
+                sizeof(SkyBlock));
   using gpu::LightBlock;
   expect_layout(program.id(), "LightUniform",
                 {FURNACE_MEMBER(LightBlock, count), FURNACE_MEMBER(LightBlock, shadow_texel),

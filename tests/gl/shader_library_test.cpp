@@ -102,7 +102,8 @@ TEST(ShaderLibrary, FeatureBitsAreTheListOfTheInterface) {
       {kFeatureSurfaceValue, "FEATURE_SURFACE_VALUE"},
       {kFeatureLightPart, "FEATURE_LIGHT_PART"},
       {kFeatureLightTerm, "FEATURE_LIGHT_TERM"},
-      {kFeatureNearest, "FEATURE_NEAREST"}};
+      {kFeatureNearest, "FEATURE_NEAREST"},
+      {kFeatureEnvironmentVisibility, "FEATURE_ENVIRONMENT_VISIBILITY"}};
   ASSERT_EQ(names.size(), std::size(expected));
   for (std::size_t bit = 0; bit < names.size(); ++bit) {
     EXPECT_EQ(expected[bit].first, FeatureSet(1) << bit);

@@ -41,6 +41,7 @@ RenderOptions everything() {
   options.environment = "builtin:overcast";
   options.background = "#ff0080";
   options.sun = "keep";
+  options.visibility = "on";
   options.shading_model = "phong";
   options.ground = true;
   options.layers = {"normal", "depth"};
@@ -91,6 +92,7 @@ TEST(RenderOptions, EveryOptionIsUnderstoodByTheApi) {
   EXPECT_FLOAT_EQ(color.y, 0);
   EXPECT_NEAR(color.z, 0.2158605, 1e-6);  // sRGB 128 as published in many tables
   EXPECT_EQ(spec.environment.sun, SunMode::kKeep);
+  EXPECT_EQ(spec.environment.visibility, EnvironmentVisibility::kOn);
   EXPECT_EQ(spec.scene.shading_model, ShadingModel::kPhong);
   EXPECT_TRUE(spec.environment.ground);
   EXPECT_EQ(spec.output.layers, (std::vector{FilmLayer::kDepth, FilmLayer::kNormal}));

@@ -40,7 +40,7 @@ float reach(const Mesh& mesh, const std::vector<std::uint32_t>& indices, const g
 
 TEST(Occluder, HasFewTrianglesAndTheSameOutline) {
   const Mesh mesh = sphere(100);  // 40,000 triangles
-  const std::vector<std::uint32_t> few = occluder_indices(mesh);
+  const std::vector<std::uint32_t> few = occluder_indices(mesh, kGroundOccluder);
   EXPECT_EQ(few.size() % 3, 0u);
   EXPECT_LT(few.size() / 3, 4000u);
   EXPECT_GT(few.size() / 3, 100u);
@@ -60,7 +60,7 @@ TEST(Occluder, HasFewTrianglesAndTheSameOutline) {
 
 TEST(Occluder, OfASmallMeshIsTheMesh) {
   const Mesh mesh = sphere(10);
-  EXPECT_EQ(occluder_indices(mesh), mesh.indices);
+  EXPECT_EQ(occluder_indices(mesh, kGroundOccluder), mesh.indices);
 }
 
 // Nothing can be taken from it without a hole.
@@ -72,7 +72,7 @@ TEST(Occluder, ScatteredTrianglesStay) {
                           {corner, corner + glm::vec3(0.9f, 0, 0), corner + glm::vec3(0, 0.9f, 0)});
     mesh.indices.insert(mesh.indices.end(), {3 * i, 3 * i + 1, 3 * i + 2});
   }
-  EXPECT_GT(occluder_indices(mesh).size(), mesh.indices.size() * 9 / 10);
+  EXPECT_GT(occluder_indices(mesh, kGroundOccluder).size(), mesh.indices.size() * 9 / 10);
 }
 
 }  // namespace

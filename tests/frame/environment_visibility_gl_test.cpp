@@ -1,0 +1,186 @@
+// The environment's light and its shadows against a ray caster: what more samples converge to.
+#include <cmath>
+
+#include "renderer/compose.hpp"
+#include "renderer/scene/procedural.hpp"
+#include "renderer/scene/transform.hpp"
+#include "tests/frame/closed_form.hpp"
+#include "tests/support/reference/direct_light.hpp"
+#include "tests/support/reference/flip.hpp"
+
+namespace furnace {
+namespace {
+
+using reference::Picture;
+
+class EnvironmentVisibilityGlTest : public ClosedFormGlTest {
+ protected:
+  static MaterialOverride material(glm::vec3 color, float metallic, float roughness) {
+    MaterialOverride m;
+    m.base_color = glm::vec4(color, 1);
+    m.metallic = metallic;
+    m.perceptual_roughness = roughness;
+    return m;
+  }
+  static NodeSpec node(const char* mesh, const char* material, glm::vec3 at, float scale) {
+    NodeSpec n;
+    n.mesh = mesh;
+    n.material = material;
+    n.translation = at;
+    n.scale = glm::vec3(scale);
+    return n;
+  }
+  static RenderSpec spec_in(const char* environment) {
+    RenderSpec spec;
+    spec.environment.map = BuiltinName{environment};
+    spec.environment.background = ColorBackground{};
+    spec.output.width = spec.output.height = 64;
+    spec.output.format = OutputFormat::kExr;
+    spec.output.exr_type = SampleType::kFloat32;
+    return spec;
+  }
+  static RenderSpec sphere_on_plane(const char* environment, float metallic, float roughness) {
+    RenderSpec spec = spec_in(environment);
+    spec.scene.nodes = {node("plane", "floor", {0, 0, 0}, 2.5f), node("sphere", "ball", {0, 0.5f, 0}, 1)};
+    spec.scene.materials["floor"] = material(glm::vec3(0.7f), 0, 0.9f);
+    spec.scene.materials["ball"] = material({0.9f, 0.5f, 0.3f}, metallic, roughness);
+    return spec;
+  }
+  // A box on the floor between two walls.
+  static RenderSpec box_in_corner(const char* environment, float roughness) {
+    RenderSpec spec = spec_in(environment);
+    NodeSpec back = node("plane", "wall", {0, 1, -1}, 2), left = node("plane", "wall", {-1, 1, 0}, 2);
+    back.rotation = glm::angleAxis(float(kPi / 2), glm::vec3(1, 0, 0));
+    left.rotation = glm::angleAxis(float(-kPi / 2), glm::vec3(0, 0, 1));
+    spec.scene.nodes = {node("plane", "wall", {0, 0, 0}, 2), back, left,
+                        node("cube", "box", {-0.3f, 0.35f, -0.3f}, 0.7f)};
+    spec.scene.materials["wall"] = material({0.8f, 0.75f, 0.7f}, 0, roughness);
+    spec.scene.materials["box"] = material({0.9f, 0.8f, 0.6f}, 1, roughness);
+    return spec;
+  }
+  static void add_lamp(RenderSpec& spec) {
+    Light light;
+    light.kind = LightKind::kDirectional;
+    light.direction = glm::normalize(glm::dvec3(-1, -2, -0.7));
+    light.intensity = glm::dvec3(1.5, 1.4, 1.2);
+    spec.scene.lights = {light};
+  }
+
+  static Picture reference_of(const RenderSpec& spec) {
+    const ComposedScene composed = compose_scene(spec.scene, nullptr);
+    const Image map = *builtin_environment(std::get<BuiltinName>(spec.environment.map).name);
+    std::vector<reference::DirectionalLight> lights;
+    for (const Light& light : spec.scene.lights) lights.push_back({-light.direction, light.intensity});
+    const reference::DirectLight judge(composed.scene, map, lights);
+    Picture picture{{spec.output.width, spec.output.height}, {}};
+    picture.pixels.resize(std::size_t(picture.extent.area()));
+    const View view = make_view(spec.camera, composed.scene, picture.extent);
+    WorkerPool pool(2);
+    constexpr double kRowCostUs = 100'000;
+    pool.parallel_for(std::size_t(picture.extent.height), kRowCostUs, [&](std::size_t y) {
+      for (int x = 0; x < picture.extent.width; ++x)
+        picture.pixels[y * std::size_t(picture.extent.width) + std::size_t(x)] =
+            glm::clamp(judge.pixel(view, picture.extent, x, int(y)), 0.0, 1.0);
+    });
+    return picture;
+  }
+  static Picture drawn(RenderSpec spec, int samples) {
+    spec.output.samples = samples;
+    const Film film = render(spec);
+    Picture picture{film.image.extent, {}};
+    for (int y = 0; y < picture.extent.height; ++y) {
+      for (int x = 0; x < picture.extent.width; ++x)
+        picture.pixels.push_back(glm::clamp(glm::dvec3(pixel(film, x, y)), 0.0, 1.0));
+    }
+    return picture;
+  }
+
+  // The picture with the judge's edges: the places of a few sub-frames are not centred in the pixel, which moves edges and is
+  // no matter of light.
+  static Picture within_edges(const Picture& judge, Picture picture) {
+    constexpr double kEdge = 0.1;
+    const int width = judge.extent.width, height = judge.extent.height;
+    const auto green = [&](int x, int y) {
+      return judge.pixels[std::size_t(std::clamp(y, 0, height - 1) * width + std::clamp(x, 0, width - 1))].g;
+    };
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        double change = 0;
+        for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
+          change = std::max(change, std::abs(green(x + dx, y + dy) - green(x, y)));
+        const auto i = std::size_t(y * width + x);
+        if (change > kEdge) picture.pixels[i] = judge.pixels[i];
+      }
+    }
+    return picture;
+  }
+
+  // `bar`: of 64 sub-frames.
+  static void expect_convergence(RenderSpec spec, double bar) {
+    const Picture judge = reference_of(spec);
+    spec.environment.visibility = EnvironmentVisibility::kOff;
+    const double without = reference::flip_mean(judge, drawn(spec, kVisibilitySamples));
+    spec.environment.visibility = EnvironmentVisibility::kOn;
+    double before = 1;
+    for (const int samples : {1, 4, 16, 64, 256}) {
+      const Picture picture = drawn(spec, samples);
+      const double now = reference::flip_mean(judge, picture);
+      RecordProperty(std::to_string(samples) + "-samples", std::to_string(now));
+      if (samples >= 64) {
+        EXPECT_LE(now, bar) << samples;
+      }
+      const double light = reference::flip_mean(judge, within_edges(judge, picture));
+      RecordProperty(std::to_string(samples) + "-samples-light", std::to_string(light));
+      // The judge itself is uncertain by some thousandths.
+      EXPECT_LT(light, before + 0.001) << samples;
+      before = light;
+    }
+    EXPECT_GT(without, 2 * before);
+  }
+};
+
+TEST(Flip, OfEqualPicturesIsNothingAndOfBlackAndWhiteNearlyAll) {
+  const Picture black{{16, 16}, std::vector<glm::dvec3>(256, glm::dvec3(0))};
+  const Picture white{{16, 16}, std::vector<glm::dvec3>(256, glm::dvec3(1))};
+  EXPECT_EQ(reference::flip_mean(white, white), 0);
+  // By hand: 100^0.7 = 25.12 of at most 308.3^0.7 = 55.3.
+  EXPECT_NEAR(reference::flip_mean(black, white), 0.967, 2e-3);
+}
+
+TEST_F(EnvironmentVisibilityGlTest, DielectricSphereOnAPlane) {
+  expect_convergence(sphere_on_plane("overcast", 0, 0.4f), 0.01);
+}
+
+TEST_F(EnvironmentVisibilityGlTest, MetalSphereInAStudio) {
+  expect_convergence(sphere_on_plane("studio", 1, 0.35f), 0.02);
+}
+
+TEST_F(EnvironmentVisibilityGlTest, BoxInACorner) {
+  RenderSpec spec = box_in_corner("studio", 0.5f);
+  add_lamp(spec);
+  expect_convergence(spec, 0.035);
+}
+
+// White furnace: what is convex and alone hides nothing from itself.
+TEST_F(EnvironmentVisibilityGlTest, ALoneSphereVanishesInAWhiteRoom) {
+  for (const float metallic : {0.f, 1.f}) {
+    for (const float roughness : {0.1f, 0.5f, 1.f}) {
+      RenderSpec spec = spec_in("furnace");
+      spec.environment.visibility = EnvironmentVisibility::kOn;
+      spec.environment.background = EnvironmentBackground{};
+      spec.scene.nodes = {node("sphere", "ball", {0, 0, 0}, 1)};
+      spec.scene.materials["ball"] = material(glm::vec3(1), metallic, roughness);
+      spec.output.samples = kVisibilitySamples;
+      const Film film = render(spec);
+      double worst = 0;
+      for (int y = 0; y < spec.output.height; ++y) {
+        for (int x = 0; x < spec.output.width; ++x)
+          worst = std::max(worst, double(std::abs(pixel(film, x, y).g - 1)));
+      }
+      EXPECT_LE(worst, 0.005) << metallic << " " << roughness;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace furnace
