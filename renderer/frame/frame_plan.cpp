@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace furnace {
 namespace {
@@ -41,20 +42,49 @@ std::optional<PlannedGrade> plan_grade(const ColorGrade& grade) {
                       float(grade.contrast), float(grade.saturation)};
 }
 
+// Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences": R2.
+constexpr double kPlastic = 1.32471795724474602596;
+constexpr double kR2StepX = 1 / kPlastic, kR2StepY = 1 / (kPlastic * kPlastic);
+
 // Each source of film layers has a target as large as a tile: of more than so many tiles are smaller.
 constexpr std::size_t kManySources = 8;
 constexpr int kTileOfManyPx = 512;
 
 }  // namespace
 
-// Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences": the R2 sequence, shifted so that sample 0 is the
-// pixel's centre; any prefix is well spread, so more sub-frames only refine.
 glm::vec2 r2_offset(int i) {
-  constexpr double kPlastic = 1.32471795724474602596;
-  const double x = 0.5 + i / kPlastic;
-  const double y = 0.5 + i / (kPlastic * kPlastic);
+  const double x = 0.5 + i * kR2StepX, y = 0.5 + i * kR2StepY;
   return {float(x - std::floor(x) - 0.5), float(y - std::floor(y) - 0.5)};
 }
+
+namespace {
+
+// Along one axis: so many places `step` apart, moved round [0, 1) together until their mean is the middle. Without that four of R2
+// shift a picture by a fifth of a pixel.
+std::vector<double> balanced_places(int count, double step) {
+  std::vector<double> places;
+  for (int i = 0; i < count; ++i) places.push_back(i * step - std::floor(i * step));
+  std::vector<double> sorted = places;
+  std::sort(sorted.begin(), sorted.end());
+  const double mean = std::accumulate(sorted.begin(), sorted.end(), 0.0) / count;
+  // Moved by t, those from 1 - t on come round; with k of them the mean is mean + t - k / count.
+  double shift = 0.5;
+  for (int k = 0; k < count; ++k) {
+    const double t = 0.5 - mean + double(k) / count, border = 1 - t;
+    if (t < 0) continue;
+    if (sorted[std::size_t(count - k - 1)] < border && (k == 0 || sorted[std::size_t(count - k)] >= border)) {
+      shift = t;
+      break;
+    }
+  }
+  for (double& place : places) {
+    place += shift;
+    place -= std::floor(place);
+  }
+  return places;
+}
+
+}  // namespace
 
 void set_picture(FramePlan& plan, Extent picture, Extent largest_tile) {
   plan.picture = picture;
@@ -72,7 +102,8 @@ FramePlan scaled_plan(FramePlan plan, int max_side_px) {
 
 void set_samples(FramePlan& plan, int count, const PixelFilter& filter) {
   plan.jitter_px.clear();
-  for (int i = 0; i < count; ++i) plan.jitter_px.push_back(r2_offset(i));
+  const std::vector<double> x = balanced_places(count, kR2StepX), y = balanced_places(count, kR2StepY);
+  for (std::size_t i = 0; i < x.size(); ++i) plan.jitter_px.emplace_back(x[i] - 0.5, y[i] - 0.5);
   plan.weights = warp_by_filter(filter, plan.jitter_px);
 }
 

@@ -36,8 +36,9 @@ struct FramePlan {
   std::vector<Tile>
       tiles;         // cover the picture without overlap, row by row; all but the last of a row equally large
   Extent tile_size;  // of the largest tile: the size of the render targets
-  std::vector<glm::vec2> jitter_px;  // one offset per sub-frame, within the filter's radius; the first is 0
-  std::vector<float> weights;        // of each sub-frame; their sum is 1
+  std::vector<glm::vec2>
+      jitter_px;  // one offset per sub-frame, within the filter's radius; of a box filter their mean is 0
+  std::vector<float> weights;  // of each sub-frame; their sum is 1
   // Premultiplied linear radiance before exposure, at the picture's upper and lower edge; 0 where an environment is seen.
   glm::vec4 background_top{0}, background_bottom{0};
   double environment_rotation_rad = 0, background_rotation_rad = 0;
