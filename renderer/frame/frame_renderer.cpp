@@ -147,7 +147,9 @@ void FrameRenderer::draw_layers(const FrameJob& job, const PassContext& pass, st
 void FrameRenderer::draw_places(const FrameJob& job, const Tile& tile) {
   View pinhole = job.view;
   pinhole.lens = {};
-  const gpu::FrameBlock frame = pack_frame(job.plan, pinhole, job.prepared, nullptr, tile, 0);
+  FramePlan still = job.plan;
+  set_samples(still, 1, {});
+  const gpu::FrameBlock frame = pack_frame(still, pinhole, job.prepared, nullptr, tile, 0);
   const gl::Buffer uniform = bind_frame(context_, frame);
   const PassContext pass{context_,  programs_, job.residency,       job.plan, job.targets,
                          job.scene, tile,      empty_vertex_array_, frame};
