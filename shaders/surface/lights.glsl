@@ -82,11 +82,12 @@ float anisotropic_lobe(Surface s, vec3 l, float radius_rad, float VoH, vec3 h) {
   float NoL = dot(s.normal, l);
   if (NoL <= 0.0) return 0.0;
   vec3 b = cross(s.normal, s.tangent);
-  float alpha = max(s.alpha, 1e-4);
-  float D = D_GGX_anisotropic(clamp(dot(s.normal, h), 0.0, 1.0), dot(s.tangent, h), dot(b, h), s.alpha_t, alpha);
+  // A perfect mirror's lobe has no width of its own.
+  float alpha = max(s.alpha, 1e-4), alpha_t = max(s.alpha_t, 1e-4);
+  float D = D_GGX_anisotropic(clamp(dot(s.normal, h), 0.0, 1.0), dot(s.tangent, h), dot(b, h), alpha_t, alpha);
   float V = V_SmithGGXAnisotropic(s.NoV, NoL, dot(s.tangent, s.to_viewer), dot(b, s.to_viewer), dot(s.tangent, l), dot(b, l),
-                                  s.alpha_t, alpha);
-  return D / disc_gain(sqrt(alpha * s.alpha_t), radius_rad, VoH) * V * NoL;
+                                  alpha_t, alpha);
+  return D / disc_gain(sqrt(alpha * alpha_t), radius_rad, VoH) * V * NoL;
 }
 #endif
 

@@ -255,5 +255,25 @@ TEST_F(LayersGlTest, AnisotropySetsInSmoothly) {
   }
 }
 
+// A texture may leave a mirror no anisotropy at all; so does a strength whose square is 0.
+TEST_F(LayersGlTest, AMirrorWithoutWidthShowsALight) {
+  MaterialOverride material;
+  material.metallic = 1.f;
+  material.perceptual_roughness = 0.f;
+  material.anisotropy = 1e-30f;
+  RenderSpec spec = spec_of("plane", material, glm::vec3(0.5f));
+  OrbitCamera above;
+  above.elevation_rad = kPi / 2;
+  above.azimuth_rad = 0;
+  above.orthographic = true;
+  spec.camera.view = above;
+  Light light;  // so that every pixel's half vector is the normal
+  light.kind = LightKind::kDirectional;
+  light.direction = {0, -1, 0};
+  spec.scene.lights = {light};
+  // Not a number would become black.
+  EXPECT_GT(pixel(render(spec), 32, 32).g, 1e3f);
+}
+
 }  // namespace
 }  // namespace furnace
