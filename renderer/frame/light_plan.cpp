@@ -1,7 +1,6 @@
 #include "renderer/frame/light_plan.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>

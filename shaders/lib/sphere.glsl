@@ -20,3 +20,6 @@ vec2 octahedral_from_direction(vec3 d) {
   if (d.y < 0.0) p = (1.0 - abs(p.yx)) * vec2(p.x >= 0.0 ? 1.0 : -1.0, p.y >= 0.0 ? 1.0 : -1.0);
   return p * 0.5 + 0.5;
 }
+
+// Some unit vector at right angles to unit `n`.
+vec3 unit_across(vec3 n) { return normalize(cross(abs(n.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0), n)); }

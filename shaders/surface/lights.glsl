@@ -197,8 +197,7 @@ float pixel_noise() {
 // How the depth in a view changes with its (u, v) over the plane through a point: exact, since depth is linear there. Isidoro 2006,
 // "Shadow Mapping: GPU-based Tips and Techniques", so that a plane does not shadow itself however wide the filter is.
 vec2 depth_slope(mat4 clip_from_world, vec4 clip, vec3 normal) {
-  vec3 other = abs(normal.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0);
-  vec3 x = normalize(cross(other, normal));
+  vec3 x = unit_across(normal);
   vec4 along_x = clip_from_world * vec4(x, 0.0), along_y = clip_from_world * vec4(cross(normal, x), 0.0);
   vec3 dx = (along_x.xyz - clip.xyz * (along_x.w / clip.w)) * vec3(0.5, -0.5, 1.0);
   vec3 dy = (along_y.xyz - clip.xyz * (along_y.w / clip.w)) * vec3(0.5, -0.5, 1.0);

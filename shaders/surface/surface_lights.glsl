@@ -14,8 +14,7 @@ Outline outline_of(LightRow light, vec3 position) {
     // The disc through its middle that covers as much of the view.
     float distance2 = dot(o.middle, o.middle), radius = light.axis.w;
     vec3 z = o.middle * inversesqrt(distance2);
-    vec3 other = abs(z.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0);
-    o.x = normalize(cross(other, z)) * radius * sqrt(distance2 / max(distance2 - radius * radius, 1e-4 * distance2));
+    o.x = unit_across(z) * radius * sqrt(distance2 / max(distance2 - radius * radius, 1e-4 * distance2));
     o.y = cross(z, o.x);
   } else {
     o.x = light.across.xyz * light.cone.z;
@@ -41,8 +40,7 @@ float lobe_share(Outline o, ivec2 corners, mat3 cosine_from_world) {
 mat3 shading_frame(vec3 normal, vec3 to_viewer) {
   vec3 x = to_viewer - dot(to_viewer, normal) * normal;
   float length2 = dot(x, x);
-  vec3 other = abs(normal.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0);
-  x = length2 > 1e-8 ? x * inversesqrt(length2) : normalize(cross(other, normal));
+  x = length2 > 1e-8 ? x * inversesqrt(length2) : unit_across(normal);
   return transpose(mat3(x, cross(normal, x), normal));
 }
 

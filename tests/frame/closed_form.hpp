@@ -36,6 +36,14 @@ class ClosedFormGlTest : public testing::Test {
     spec.output.exr_type = SampleType::kFloat32;
     return spec;
   }
+  static NodeSpec node(const char* mesh, const char* material, glm::vec3 at, float scale = 1) {
+    NodeSpec out;
+    out.mesh = mesh;
+    out.material = material;
+    out.translation = at;
+    out.scale = glm::vec3(scale);
+    return out;
+  }
   static glm::vec3 pixel(const Film& film, int x, int y) {
     const auto samples = film.image.samples<float>();
     const std::size_t at = (std::size_t(y) * std::size_t(film.image.extent.width) + std::size_t(x)) *

@@ -22,14 +22,6 @@ class EnvironmentVisibilityGlTest : public ClosedFormGlTest {
     m.perceptual_roughness = roughness;
     return m;
   }
-  static NodeSpec node(const char* mesh, const char* material, glm::vec3 at, float scale) {
-    NodeSpec n;
-    n.mesh = mesh;
-    n.material = material;
-    n.translation = at;
-    n.scale = glm::vec3(scale);
-    return n;
-  }
   static RenderSpec spec_in(const char* environment) {
     RenderSpec spec;
     spec.environment.map = BuiltinName{environment};
@@ -95,26 +87,6 @@ class EnvironmentVisibilityGlTest : public ClosedFormGlTest {
     return picture;
   }
 
-  // The picture with the judge's edges: the places of a few sub-frames are not centred in the pixel, which moves edges and is
-  // no matter of light.
-  static Picture within_edges(const Picture& judge, Picture picture) {
-    constexpr double kEdge = 0.1;
-    const int width = judge.extent.width, height = judge.extent.height;
-    const auto green = [&](int x, int y) {
-      return judge.pixels[std::size_t(std::clamp(y, 0, height - 1) * width + std::clamp(x, 0, width - 1))].g;
-    };
-    for (int y = 0; y < height; ++y) {
-      for (int x = 0; x < width; ++x) {
-        double change = 0;
-        for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
-          change = std::max(change, std::abs(green(x + dx, y + dy) - green(x, y)));
-        const auto i = std::size_t(y * width + x);
-        if (change > kEdge) picture.pixels[i] = judge.pixels[i];
-      }
-    }
-    return picture;
-  }
-
   // `bar`: of 64 sub-frames.
   static void expect_convergence(RenderSpec spec, double bar) {
     const Picture judge = reference_of(spec);
@@ -123,17 +95,14 @@ class EnvironmentVisibilityGlTest : public ClosedFormGlTest {
     spec.environment.visibility = EnvironmentVisibility::kOn;
     double before = 1;
     for (const int samples : {1, 4, 16, 64, 256}) {
-      const Picture picture = drawn(spec, samples);
-      const double now = reference::flip_mean(judge, picture);
+      const double now = reference::flip_mean(judge, drawn(spec, samples));
       RecordProperty(std::to_string(samples) + "-samples", std::to_string(now));
       if (samples >= 64) {
         EXPECT_LE(now, bar) << samples;
       }
-      const double light = reference::flip_mean(judge, within_edges(judge, picture));
-      RecordProperty(std::to_string(samples) + "-samples-light", std::to_string(light));
       // The judge itself is uncertain by some thousandths.
-      EXPECT_LT(light, before + 0.001) << samples;
-      before = light;
+      EXPECT_LT(now, before + 0.001) << samples;
+      before = now;
     }
     EXPECT_GT(without, 2 * before);
   }
@@ -158,6 +127,7 @@ TEST_F(EnvironmentVisibilityGlTest, MetalSphereInAStudio) {
 TEST_F(EnvironmentVisibilityGlTest, BoxInACorner) {
   RenderSpec spec = box_in_corner("studio", 0.5f);
   add_lamp(spec);
+  // Beyond the 0.02 of the others: rough metal next to a wall, whose lobe is not sampled but stood for by two round ones.
   expect_convergence(spec, 0.035);
 }
 

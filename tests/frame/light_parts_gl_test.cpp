@@ -9,15 +9,6 @@ namespace {
 
 class LightPartsGlTest : public ClosedFormGlTest {
  protected:
-  static NodeSpec node(const char* mesh, const char* material, glm::vec3 at, float size = 1) {
-    NodeSpec one;
-    one.mesh = mesh;
-    one.material = material;
-    one.translation = at;
-    one.scale = glm::vec3(size);
-    return one;
-  }
-
   // Every lobe there is, a light with a shadow beside the environment.
   static RenderSpec gallery() {
     RenderSpec spec;

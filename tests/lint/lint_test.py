@@ -132,7 +132,7 @@ class Words(Tree):
         for line in bad:
             with self.subTest(line=line):
                 self.assertEqual(len(list(check_words.problems_of_line(line))), 1)
-        for line in ("#if 0x10 > FLAG", "to" + "do list", "tests/home/x", "http://127.0.0.1:8080/work/", "https://github.com/x"):
+        for line in ("#if" + " 0x10 > FLAG", "to" + "do list", "tests/home/x", "http://127.0.0.1:8080/work/", "https://github.com/x"):
             with self.subTest(line=line):
                 self.assertEqual(list(check_words.problems_of_line(line)), [])
 
