@@ -121,15 +121,28 @@ std::span<const std::byte> GltfData::view_bytes(int buffer_view) const {
   return buffer.owner.bytes().subspan(buffer.range.offset + view.byte_offset, view.byte_length);
 }
 
+// Those of compressed meshes were not among the implied ones that the document's limit counted.
+void GltfData::check_zeros(int accessor_index, std::span<const std::byte> decoded) const {
+  const GltfAccessor& source = accessor(accessor_index);
+  if (source.buffer_view || !decoded.empty() || source.count <= kMaxImpliedElements) return;
+  fail(ErrorCode::kTooLarge, "has too many elements without a bufferView",
+       "/accessors/" + std::to_string(accessor_index) + "/count");
+}
+
 template <class Out>
-void GltfData::read_elements(int accessor_index, Out* target, std::size_t target_components) const {
+void GltfData::read_elements(int accessor_index, std::span<const std::byte> decoded, Out* target,
+                             std::size_t target_components) const {
   const GltfAccessor& source = accessor(accessor_index);
   const std::size_t element = element_bytes(source.type, source.component);
   const auto components = static_cast<std::size_t>(component_count(source.type));
   FURNACE_CHECK(components <= target_components, "accessor {}: {} components into {}", accessor_index,
                 components, target_components);
   Layout layout{static_cast<std::size_t>(source.count), element, components, source.normalized};
-  if (source.buffer_view && source.count > 0) {
+  if (!decoded.empty()) {
+    FURNACE_CHECK(decoded.size() == layout.count * element, "accessor {}: {} bytes", accessor_index,
+                  decoded.size());
+    decode(source.component, decoded.data(), layout, target, target_components);
+  } else if (source.buffer_view && source.count > 0) {
     const GltfBufferView& view = document_.buffer_views[static_cast<std::size_t>(*source.buffer_view)];
     if (view.byte_stride != 0) layout.stride = view.byte_stride;
     decode(source.component, view_bytes(*source.buffer_view).data() + source.byte_offset, layout, target,
@@ -166,25 +179,29 @@ std::vector<std::uint32_t> GltfData::read_sparse_indices(int accessor_index) con
   return places;
 }
 
-void GltfData::read_floats(int accessor_index, float* target, std::size_t target_components) const {
-  read_elements(accessor_index, target, target_components);
+void GltfData::read_floats(int accessor_index, std::span<const std::byte> decoded, float* target,
+                           std::size_t target_components) const {
+  read_elements(accessor_index, decoded, target, target_components);
 }
 
 std::vector<glm::mat4> GltfData::read_matrices(int accessor_index) const {
+  check_zeros(accessor_index, {});
   std::vector<glm::mat4> result(static_cast<std::size_t>(accessor(accessor_index).count));
-  read_elements(accessor_index, reinterpret_cast<float*>(result.data()), 16);
+  read_elements(accessor_index, {}, reinterpret_cast<float*>(result.data()), 16);
   return result;
 }
 
-std::vector<glm::uvec4> GltfData::read_joints(int accessor_index) const {
+std::vector<glm::uvec4> GltfData::read_joints(int accessor_index, std::span<const std::byte> decoded) const {
+  check_zeros(accessor_index, decoded);
   std::vector<glm::uvec4> result(static_cast<std::size_t>(accessor(accessor_index).count));
-  read_elements(accessor_index, reinterpret_cast<std::uint32_t*>(result.data()), 4);
+  read_elements(accessor_index, decoded, reinterpret_cast<std::uint32_t*>(result.data()), 4);
   return result;
 }
 
 std::vector<std::uint32_t> GltfData::read_indices(int accessor_index) const {
+  check_zeros(accessor_index, {});
   std::vector<std::uint32_t> result(static_cast<std::size_t>(accessor(accessor_index).count));
-  read_elements(accessor_index, result.data(), 1);
+  read_elements(accessor_index, {}, result.data(), 1);
   return result;
 }
 

@@ -27,15 +27,17 @@ class GltfData {
   Blob view_blob(int buffer_view) const;
 
   // Floats, normalised integers converted; V has as many components as the accessor's type, or more (left as
-  // `fill`).
+  // `fill`). `decoded`: all elements, tightly packed, where a compressed mesh brought them.
   template <class V>
-  std::vector<V> read_vectors(int accessor_index, V fill = V(0)) const {
+  std::vector<V> read_vectors(int accessor_index, V fill = V(0),
+                              std::span<const std::byte> decoded = {}) const {
+    check_zeros(accessor_index, decoded);
     std::vector<V> result(static_cast<std::size_t>(accessor(accessor_index).count), fill);
-    read_floats(accessor_index, reinterpret_cast<float*>(result.data()), sizeof(V) / sizeof(float));
+    read_floats(accessor_index, decoded, reinterpret_cast<float*>(result.data()), sizeof(V) / sizeof(float));
     return result;
   }
   std::vector<glm::mat4> read_matrices(int accessor_index) const;
-  std::vector<glm::uvec4> read_joints(int accessor_index) const;
+  std::vector<glm::uvec4> read_joints(int accessor_index, std::span<const std::byte> decoded = {}) const;
   std::vector<std::uint32_t> read_indices(int accessor_index) const;
 
  private:
@@ -47,9 +49,12 @@ class GltfData {
 
   Buffer find_buffer(std::size_t index, const ModelBundle& bundle) const;
   std::span<const std::byte> view_bytes(int buffer_view) const;
-  void read_floats(int accessor_index, float* target, std::size_t target_components) const;
+  void check_zeros(int accessor_index, std::span<const std::byte> decoded) const;
+  void read_floats(int accessor_index, std::span<const std::byte> decoded, float* target,
+                   std::size_t target_components) const;
   template <class Out>
-  void read_elements(int accessor_index, Out* target, std::size_t target_components) const;
+  void read_elements(int accessor_index, std::span<const std::byte> decoded, Out* target,
+                     std::size_t target_components) const;
   std::vector<std::uint32_t> read_sparse_indices(int accessor_index) const;
 
   const GltfDocument& document_;

@@ -9,9 +9,6 @@ namespace furnace {
 
 namespace {
 
-// Zeros cost nothing in the file: without a bound a few hundred bytes could ask for gigabytes.
-constexpr std::uint64_t kMaxImpliedElements = 1 << 22;
-
 template <class T>
 bool contains(const std::vector<T>& list, std::string_view name) {
   return std::find(list.begin(), list.end(), name) != list.end();
@@ -89,10 +86,29 @@ void check_buffer_sizes(const GltfDocument& document, const ImportLimits& limits
            "/buffers");
     }
   }
+}
+
+// Accessors whose numbers a compressed mesh brings.
+std::vector<bool> decoded_accessors(const GltfDocument& document) {
+  std::vector<bool> decoded(document.accessors.size(), false);
+  for (const GltfMesh& mesh : document.meshes) {
+    for (const GltfPrimitive& primitive : mesh.primitives) {
+      if (!primitive.draco) continue;
+      if (primitive.indices) decoded[static_cast<std::size_t>(*primitive.indices)] = true;
+      for (const auto& [semantic, id] : primitive.draco->attributes) {
+        decoded[static_cast<std::size_t>(primitive.attributes.at(semantic))] = true;
+      }
+    }
+  }
+  return decoded;
+}
+
+void check_implied_elements(const GltfDocument& document) {
+  const std::vector<bool> decoded = decoded_accessors(document);
   std::uint64_t implied = 0;
   for (std::size_t i = 0; i < document.accessors.size(); ++i) {
     const GltfAccessor& accessor = document.accessors[i];
-    if (accessor.buffer_view) continue;
+    if (accessor.buffer_view || decoded[i]) continue;
     implied += std::min(accessor.count, kMaxImpliedElements + 1);
     if (implied > kMaxImpliedElements) {
       fail(ErrorCode::kTooLarge, "accessors without a bufferView have too many elements",
@@ -199,6 +215,7 @@ GltfDocument read_gltf_document(const Blob& bytes, const ImportLimits& limits) {
   link_nodes(document.nodes, limits);
   document.scenes = read_all<GltfScene>(
       root, "scenes", [&](const JsonObject& object) { return read_scene(object, document.nodes); });
+  check_implied_elements(document);
   document.default_scene = root.reference("scene", "scene", counts.scenes);
   return document;
 }

@@ -39,6 +39,9 @@ std::size_t element_bytes(ElementType type, ComponentType component);
 std::uint64_t span_bytes(std::uint64_t count, std::uint64_t stride, ElementType type,
                          ComponentType component);  // with the column padding of small matrices
 
+// Zeros cost nothing in the file: without a bound a few hundred bytes could ask for gigabytes.
+inline constexpr std::uint64_t kMaxImpliedElements = 1 << 22;
+
 struct GltfBuffer {
   std::string uri;  // as written; empty: the BIN chunk, or nothing
   bool has_uri = false;
@@ -98,8 +101,15 @@ struct GltfMaterial {
 
 using GltfAttributes = std::map<std::string, int>;  // semantic -> accessor
 
+// KHR_draco_mesh_compression: where a primitive's indices and these of its attributes are.
+struct GltfDraco {
+  int buffer_view = 0;
+  std::map<std::string, std::uint32_t> attributes;  // semantic -> unique id in the compressed mesh
+};
+
 struct GltfPrimitive {
   GltfAttributes attributes;
+  std::optional<GltfDraco> draco;
   std::optional<int> indices;
   std::optional<int> material;
   std::map<int, int> variant_materials;  // KHR_materials_variants: variant -> material

@@ -19,7 +19,8 @@ namespace furnace {
 
 namespace {
 
-constexpr std::array<std::string_view, 17> kSupportedExtensions{
+constexpr std::array<std::string_view, 18> kSupportedExtensions{
+    "KHR_draco_mesh_compression",           // gltf_draco.cpp
     "KHR_lights_punctual",                  // gltf_read_scene.cpp
     "KHR_materials_anisotropy",             // gltf_read_layers.cpp
     "KHR_materials_clearcoat",              // gltf_read_layers.cpp

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "renderer/base/error.hpp"
+#include "renderer/scene/gltf_draco.hpp"
 #include "renderer/scene/gltf_topology.hpp"
 
 namespace furnace {
@@ -171,33 +172,35 @@ void mend(std::vector<V>& values, const V& replacement, const std::string& point
   }
 }
 
-void read_attributes(const GltfData& data, const GltfPrimitive& primitive, const std::string& pointer,
-                     Mesh& mesh, GltfNotes& notes) {
-  mesh.positions = data.read_vectors<glm::vec3>(primitive.attributes.at("POSITION"));
-  if (const auto normal = find_attribute(primitive, "NORMAL"))
-    mesh.normals = data.read_vectors<glm::vec3>(*normal);
-  if (const auto tangent = find_attribute(primitive, "TANGENT")) {
-    mesh.tangents = data.read_vectors<glm::vec4>(*tangent);
-  }
-  for (std::size_t set = 0; set < mesh.uvs.size(); ++set) {
-    const std::string semantic = "TEXCOORD_" + std::to_string(set);
-    const auto uv = find_attribute(primitive, semantic);
-    if (!uv) continue;
-    mesh.uvs[set] = data.read_vectors<glm::vec2>(*uv);
-    mend(mesh.uvs[set], glm::vec2(0), pointer + "/" + semantic, notes);
-  }
-  if (const auto color = find_attribute(primitive, "COLOR_0")) {
-    mesh.colors = data.read_vectors<glm::vec4>(*color, glm::vec4(1));
-    mend(mesh.colors, glm::vec4(1), pointer + "/COLOR_0", notes);
-  }
+// One attribute, from the compressed mesh or from its accessor.
+template <class V>
+std::vector<V> read_vectors(const GltfData& data, const GltfPrimitive& primitive,
+                            const DecodedPrimitive& decoded, const std::string& semantic, V fill = V(0)) {
+  const auto accessor = find_attribute(primitive, semantic);
+  return accessor ? data.read_vectors<V>(*accessor, fill, decoded.attribute(semantic)) : std::vector<V>();
 }
 
-std::vector<GltfVertices::Influences> read_influences(const GltfData& data, const GltfPrimitive& primitive) {
+void read_attributes(const GltfData& data, const GltfPrimitive& primitive, const DecodedPrimitive& decoded,
+                     const std::string& pointer, Mesh& mesh, GltfNotes& notes) {
+  mesh.positions = read_vectors<glm::vec3>(data, primitive, decoded, "POSITION");
+  mesh.normals = read_vectors<glm::vec3>(data, primitive, decoded, "NORMAL");
+  mesh.tangents = read_vectors<glm::vec4>(data, primitive, decoded, "TANGENT");
+  for (std::size_t set = 0; set < mesh.uvs.size(); ++set) {
+    const std::string semantic = "TEXCOORD_" + std::to_string(set);
+    mesh.uvs[set] = read_vectors<glm::vec2>(data, primitive, decoded, semantic);
+    mend(mesh.uvs[set], glm::vec2(0), pointer + "/" + semantic, notes);
+  }
+  mesh.colors = read_vectors<glm::vec4>(data, primitive, decoded, "COLOR_0", glm::vec4(1));
+  mend(mesh.colors, glm::vec4(1), pointer + "/COLOR_0", notes);
+}
+
+std::vector<GltfVertices::Influences> read_influences(const GltfData& data, const GltfPrimitive& primitive,
+                                                      const DecodedPrimitive& decoded) {
   std::vector<GltfVertices::Influences> result;
   for (int set = 0; primitive.attributes.contains("JOINTS_" + std::to_string(set)); ++set) {
-    result.push_back(
-        {data.read_joints(primitive.attributes.at("JOINTS_" + std::to_string(set))),
-         data.read_vectors<glm::vec4>(primitive.attributes.at("WEIGHTS_" + std::to_string(set)))});
+    const std::string joints = "JOINTS_" + std::to_string(set), weights = "WEIGHTS_" + std::to_string(set);
+    result.push_back({data.read_joints(primitive.attributes.at(joints), decoded.attribute(joints)),
+                      read_vectors<glm::vec4>(data, primitive, decoded, weights)});
   }
   return result;
 }
@@ -277,10 +280,16 @@ GltfVertices read_primitive_vertices(const GltfDocument& document, const GltfDat
                                      const GltfPrimitiveRef& ref, bool with_influences, GltfNotes& notes) {
   const GltfPrimitive& primitive = primitive_of(document, ref);
   const std::string pointer = ref.pointer();
+  DecodedPrimitive decoded = decode_primitive(document, data, ref);
   GltfVertices vertices;
   vertices.mesh.name = document.meshes[static_cast<std::size_t>(ref.mesh)].name;
-  read_attributes(data, primitive, pointer + "/attributes", vertices.mesh, notes);
-  if (with_influences) vertices.influences = read_influences(data, primitive);
+  read_attributes(data, primitive, decoded, pointer + "/attributes", vertices.mesh, notes);
+  if (with_influences) vertices.influences = read_influences(data, primitive, decoded);
+  if (primitive.draco) {
+    constexpr int kTriangles = 4;
+    vertices.mesh.indices = expand_topology(kTriangles, std::move(decoded.indices));
+    return vertices;
+  }
 
   std::vector<std::uint32_t> indices = read_indices(data, primitive, vertices.mesh.positions.size(), pointer);
   if (has_left_over(primitive.mode, indices.size())) {

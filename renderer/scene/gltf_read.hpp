@@ -26,6 +26,11 @@ GltfTexture read_texture(const JsonObject& json, const GltfCounts& counts,
                          const std::vector<SamplerDesc>& samplers);
 GltfMaterial read_material(const JsonObject& json, const GltfCounts& counts);
 
+// gltf_read_compression.cpp
+// Errors: kUnprocessable for an attribute that the primitive itself does not have, and for lines and points.
+std::optional<GltfDraco> read_draco(const JsonObject& primitive, const GltfAttributes& attributes, int mode,
+                                    const GltfCounts& counts);
+
 // gltf_read_scene.cpp
 GltfMesh read_mesh(const JsonObject& json, const GltfCounts& counts);
 GltfSkin read_skin(const JsonObject& json, const GltfCounts& counts);

@@ -42,6 +42,7 @@ GltfPrimitive read_primitive(const JsonObject& json, const GltfCounts& counts) {
   const std::uint64_t mode = json.integer("mode", 4);
   if (mode > 6) json.refuse("mode", "must be 0 to 6");
   primitive.mode = static_cast<int>(mode);
+  primitive.draco = read_draco(json, primitive.attributes, primitive.mode, counts);
   json.each("targets",
             [&](const JsonObject& target) { primitive.targets.push_back(read_attributes(target, counts)); });
   return primitive;

@@ -84,6 +84,22 @@ TEST(Models, QuantizationChangesLittle) {
   EXPECT_LT(glm::distance(a.max, b.max), 1e-3f);
 }
 
+// The same models, once plain and once compressed.
+TEST(Models, DracoChangesLittle) {
+  SKIP_WITHOUT(kModels);
+  for (const char* name : {"MorphPrimitivesTest", "RiggedSimple"}) {
+    const std::string text(name);
+    const Scene plain = import_file(kModels / (text + ".glb"));
+    const Scene compressed = import_file(kModels / (text + "-Draco") / (text + ".gltf"));
+    const Bounds a = world_bounds(plain), b = world_bounds(compressed);
+    const float size = glm::distance(a.min, a.max);
+    EXPECT_LT(glm::distance(a.min, b.min) + glm::distance(a.max, b.max), 1e-3f * size) << name;
+    ASSERT_EQ(plain.meshes.size(), compressed.meshes.size());
+    for (std::size_t i = 0; i < plain.meshes.size(); ++i)
+      EXPECT_EQ(plain.meshes[i].indices.size(), compressed.meshes[i].indices.size()) << name;
+  }
+}
+
 // Rest poses that the files' own makers documented by the accessor's bounds: skinning in the bind pose moves
 // nothing.
 TEST(Models, TheBindPoseIsTheMesh) {
