@@ -76,12 +76,37 @@ GltfData::GltfData(const GltfDocument& document, const ModelBundle& bundle, cons
            "/buffers");
     }
   }
+  decode_views(limits);
+}
+
+// All of them at once: the same view serves many accessors.
+void GltfData::decode_views(const ImportLimits& limits) {
+  std::uint64_t total = 0;
+  for (std::size_t i = 0; i < document_.buffer_views.size(); ++i) {
+    const auto& meshopt = document_.buffer_views[i].meshopt;
+    if (!meshopt) continue;
+    total += document_.buffer_views[i].byte_length;
+    if (total > static_cast<std::uint64_t>(limits.max_buffer_bytes)) {
+      fail(ErrorCode::kTooLarge,
+           "the decompressed buffer views exceed the limit of " + std::to_string(limits.max_buffer_bytes) +
+               " bytes",
+           meshopt->pointer);
+    }
+    const auto bytes = buffer_bytes(meshopt->buffer, meshopt->byte_offset, meshopt->byte_length);
+    try {
+      decoded_views_.emplace(static_cast<int>(i), decode_meshopt(bytes, meshopt->layout));
+    } catch (Error& error) {
+      error.pointer = meshopt->pointer;
+      throw;
+    }
+  }
 }
 
 GltfData::Buffer GltfData::find_buffer(std::size_t index, const ModelBundle& bundle) const {
   const GltfBuffer& declared = document_.buffers[index];
   const std::string pointer = "/buffers/" + std::to_string(index);
   Buffer buffer;
+  if (declared.is_fallback) return buffer;
   if (!declared.has_uri) {
     // Only the first buffer may be the BIN chunk; any other is a placeholder that an extension would fill.
     if (index != 0 || !document_.binary) return buffer;
@@ -106,19 +131,27 @@ GltfData::Buffer GltfData::find_buffer(std::size_t index, const ModelBundle& bun
 
 Blob GltfData::view_blob(int buffer_view) const {
   const GltfBufferView& view = document_.buffer_views[static_cast<std::size_t>(buffer_view)];
-  view_bytes(buffer_view);
+  const std::span<const std::byte> bytes = view_bytes(buffer_view);
+  if (view.meshopt) return Blob(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
   const Buffer& buffer = buffers_[static_cast<std::size_t>(view.buffer)];
   return Blob::slice(buffer.owner, buffer.range.offset + view.byte_offset, view.byte_length);
 }
 
+std::span<const std::byte> GltfData::buffer_bytes(int buffer_index, std::uint64_t offset,
+                                                  std::uint64_t size) const {
+  const Buffer& buffer = buffers_[static_cast<std::size_t>(buffer_index)];
+  if (!buffer.present) {
+    fail(ErrorCode::kUnprocessable,
+         "has no data: there is neither a uri nor a BIN chunk, or it is but a fallback",
+         "/buffers/" + std::to_string(buffer_index));
+  }
+  return buffer.owner.bytes().subspan(buffer.range.offset + offset, size);
+}
+
 std::span<const std::byte> GltfData::view_bytes(int buffer_view) const {
   const GltfBufferView& view = document_.buffer_views[static_cast<std::size_t>(buffer_view)];
-  const Buffer& buffer = buffers_[static_cast<std::size_t>(view.buffer)];
-  if (!buffer.present) {
-    fail(ErrorCode::kUnprocessable, "has no data: there is neither a uri nor a BIN chunk",
-         "/buffers/" + std::to_string(view.buffer));
-  }
-  return buffer.owner.bytes().subspan(buffer.range.offset + view.byte_offset, view.byte_length);
+  if (view.meshopt) return decoded_views_.at(buffer_view);
+  return buffer_bytes(view.buffer, view.byte_offset, view.byte_length);
 }
 
 // Those of compressed meshes were not among the implied ones that the document's limit counted.

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,16 +15,18 @@
 
 namespace furnace {
 
-// Threads: one. Owns: decoded data: URIs and shares of the bundle's bytes; the document must outlive it.
+// Threads: one. Owns: decoded data: URIs, decompressed views and shares of the bundle's bytes; the document must
+// outlive it.
 class GltfData {
  public:
-  // Errors: kUnprocessable for a buffer that is missing, shorter than declared, or has a bad URI.
+  // Errors: kUnprocessable for a buffer that is missing, shorter than declared, or has a bad URI, and for damaged
+  // meshopt data.
   GltfData(const GltfDocument& document, const ModelBundle& bundle, const ImportLimits& limits);
 
   const GltfAccessor& accessor(int index) const {
     return document_.accessors[static_cast<std::size_t>(index)];
   }
-  // A part of the bundle's own bytes, not a copy.
+  // A part of the bundle's own bytes, not a copy, unless it comes compressed.
   Blob view_blob(int buffer_view) const;
 
   // Floats, normalised integers converted; V has as many components as the accessor's type, or more (left as
@@ -48,6 +51,8 @@ class GltfData {
   };
 
   Buffer find_buffer(std::size_t index, const ModelBundle& bundle) const;
+  void decode_views(const ImportLimits& limits);
+  std::span<const std::byte> buffer_bytes(int buffer, std::uint64_t offset, std::uint64_t size) const;
   std::span<const std::byte> view_bytes(int buffer_view) const;
   void check_zeros(int accessor_index, std::span<const std::byte> decoded) const;
   void read_floats(int accessor_index, std::span<const std::byte> decoded, float* target,
@@ -59,6 +64,7 @@ class GltfData {
 
   const GltfDocument& document_;
   std::vector<Buffer> buffers_;
+  std::map<int, std::vector<std::byte>> decoded_views_;  // those of meshopt
 };
 
 }  // namespace furnace

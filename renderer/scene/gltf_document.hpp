@@ -18,6 +18,7 @@
 #include "renderer/scene/gltf_container.hpp"
 #include "renderer/scene/gltf_import.hpp"
 #include "renderer/scene/material.hpp"
+#include "renderer/scene/meshopt_decode.hpp"
 #include "renderer/scene/scene.hpp"
 
 namespace furnace {
@@ -45,7 +46,17 @@ inline constexpr std::uint64_t kMaxImpliedElements = 1 << 22;
 struct GltfBuffer {
   std::string uri;  // as written; empty: the BIN chunk, or nothing
   bool has_uri = false;
+  bool is_fallback = false;  // for readers without meshopt: nothing of it is used
   std::uint64_t byte_length = 0;
+};
+
+// EXT_meshopt_compression, KHR_meshopt_compression: where a view's bytes come from.
+struct GltfMeshopt {
+  int buffer = 0;
+  std::uint64_t byte_offset = 0;
+  std::uint64_t byte_length = 0;
+  MeshoptLayout layout;  // sound, of as many bytes as the view has
+  std::string pointer;
 };
 
 struct GltfBufferView {
@@ -53,6 +64,7 @@ struct GltfBufferView {
   std::uint64_t byte_offset = 0;
   std::uint64_t byte_length = 0;
   std::uint64_t byte_stride = 0;  // 0: tightly packed
+  std::optional<GltfMeshopt> meshopt;
 };
 
 struct GltfSparse {

@@ -19,7 +19,8 @@ namespace furnace {
 
 namespace {
 
-constexpr std::array<std::string_view, 18> kSupportedExtensions{
+constexpr std::array<std::string_view, 20> kSupportedExtensions{
+    "EXT_meshopt_compression",              // gltf_read_compression.cpp
     "KHR_draco_mesh_compression",           // gltf_draco.cpp
     "KHR_lights_punctual",                  // gltf_read_scene.cpp
     "KHR_materials_anisotropy",             // gltf_read_layers.cpp
@@ -37,6 +38,7 @@ constexpr std::array<std::string_view, 18> kSupportedExtensions{
     "KHR_materials_variants",               // gltf_read_scene.cpp
     "KHR_materials_volume",                 // gltf_read_layers.cpp
     "KHR_mesh_quantization",                // gltf_primitive.cpp
+    "KHR_meshopt_compression",              // gltf_read_compression.cpp
     "KHR_texture_transform",                // gltf_read_material.cpp
 };
 
@@ -367,7 +369,8 @@ std::vector<std::string> gltf_external_uris(const Blob& bytes, const ImportLimit
   std::vector<std::string> uris;
   for (std::size_t i = 0; i < document.buffers.size(); ++i) {
     const GltfBuffer& buffer = document.buffers[i];
-    if (buffer.has_uri) add_external_uri(buffer.uri, "/buffers/" + std::to_string(i) + "/uri", seen, uris);
+    if (buffer.has_uri && !buffer.is_fallback)
+      add_external_uri(buffer.uri, "/buffers/" + std::to_string(i) + "/uri", seen, uris);
   }
   for (std::size_t i = 0; i < document.images.size(); ++i) {
     const GltfImage& image = document.images[i];

@@ -27,6 +27,9 @@ GltfTexture read_texture(const JsonObject& json, const GltfCounts& counts,
 GltfMaterial read_material(const JsonObject& json, const GltfCounts& counts);
 
 // gltf_read_compression.cpp
+bool is_meshopt_fallback(const JsonObject& buffer);
+std::optional<GltfMeshopt> read_meshopt(const JsonObject& view, const GltfBufferView& plain,
+                                        const std::vector<GltfBuffer>& buffers);
 // Errors: kUnprocessable for an attribute that the primitive itself does not have, and for lines and points.
 std::optional<GltfDraco> read_draco(const JsonObject& primitive, const GltfAttributes& attributes, int mode,
                                     const GltfCounts& counts);

@@ -91,6 +91,7 @@ GltfBuffer read_buffer(const JsonObject& json) {
   GltfBuffer buffer;
   buffer.has_uri = json.has("uri");
   buffer.uri = json.string("uri");
+  buffer.is_fallback = is_meshopt_fallback(json);
   buffer.byte_length = json.required_integer("byteLength");
   return buffer;
 }
@@ -109,6 +110,7 @@ GltfBufferView read_buffer_view(const JsonObject& json, const std::vector<GltfBu
       (view.byte_stride < 4 || view.byte_stride > 252 || view.byte_stride % 4 != 0)) {
     json.refuse("byteStride", "must be a multiple of 4 from 4 to 252");
   }
+  view.meshopt = read_meshopt(json, view, buffers);
   return view;
 }
 

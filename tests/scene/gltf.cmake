@@ -4,4 +4,5 @@ furnace_test(scene_gltf LABEL unit
     gltf_variants_test.cpp
   LINK furnace_scene nlohmann_json::nlohmann_json)
 furnace_test(scene_tangents LABEL unit SOURCES tangents_test.cpp LINK furnace_scene)
-furnace_test(scene_compression LABEL unit SOURCES draco_test.cpp LINK furnace_scene nlohmann_json::nlohmann_json draco::draco)
+furnace_test(scene_compression LABEL unit SOURCES draco_test.cpp meshopt_test.cpp
+  LINK furnace_scene nlohmann_json::nlohmann_json draco::draco meshoptimizer::meshoptimizer)

@@ -1,0 +1,431 @@
+// EXT_meshopt_compression and KHR_meshopt_compression: what the library's encoders wrote comes back, version 1 by an
+// encoder of our own, filters against their closed forms, damage and lies are refused.
+#include "renderer/scene/meshopt_decode.hpp"
+
+#include <bit>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include <meshoptimizer.h>
+
+#include "tests/scene/gltf_builder.hpp"
+
+namespace furnace::testing {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+std::span<const std::byte> span_of(const Bytes& bytes) {
+  return std::as_bytes(std::span(bytes));
+}
+
+Bytes decoded(const Bytes& bytes, const MeshoptLayout& layout) {
+  const std::vector<std::byte> result = decode_meshopt(span_of(bytes), layout);
+  const auto* data = reinterpret_cast<const std::uint8_t*>(result.data());
+  return {data, data + result.size()};
+}
+
+// Smooth in most bytes, noise in some, constant in others: every width of deltas occurs.
+Bytes sample_elements(std::size_t count, std::size_t stride) {
+  std::mt19937 random(unsigned(count * 1000 + stride));
+  Bytes bytes(count * stride);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t k = 0; k < stride; ++k) {
+      const unsigned noise = random() >> 8;
+      const std::array<unsigned, 5> kinds{unsigned(i * k / 3), noise, 7u, unsigned(i) + noise % 4,
+                                          noise % 40 == 0 ? noise : unsigned(i / 50)};
+      bytes[i * stride + k] = std::uint8_t(kinds[k % kinds.size()]);
+    }
+  }
+  return bytes;
+}
+
+Bytes encoded_by_library(const Bytes& elements, std::size_t stride) {
+  const std::size_t count = elements.size() / stride;
+  Bytes out(meshopt_encodeVertexBufferBound(count, stride));
+  out.resize(meshopt_encodeVertexBuffer(out.data(), out.size(), elements.data(), count, stride));
+  return out;
+}
+
+TEST(Meshopt, ReadsVersion0) {
+  for (const std::size_t stride : {4, 8, 12, 16, 64, 100, 256}) {
+    for (const std::size_t count : {1, 15, 16, 17, 255, 256, 257, 1000}) {
+      const Bytes elements = sample_elements(count, stride);
+      const Bytes file = encoded_by_library(elements, stride);
+      EXPECT_EQ(decoded(file, {MeshoptMode::kAttributes, MeshoptFilter::kNone, count, stride}), elements)
+          << stride << " " << count;
+    }
+  }
+}
+
+// Writes version 1 with the first control mode that can hold each byte, or a wasteful one of `spread`.
+class Version1 {
+ public:
+  Version1(std::size_t stride, std::vector<std::uint8_t> modes, unsigned spread)
+      : stride_(stride), modes_(std::move(modes)), random_(spread) {}
+
+  Bytes encode(const Bytes& elements) {
+    out_ = {0xa1};
+    const std::size_t count = elements.size() / stride_;
+    const std::size_t block = std::min<std::size_t>(8192 / stride_ & ~15u, 256);
+    Bytes last(elements.begin(), elements.begin() + std::ptrdiff_t(stride_));
+    const Bytes baseline = last;
+    for (std::size_t at = 0; at < count; at += block) {
+      write_block(elements, at, std::min(block, count - at), last);
+    }
+    const std::size_t tail = stride_ + stride_ / 4;
+    out_.resize(out_.size() + (tail < 24 ? 24 - tail : 0), 0);
+    out_.insert(out_.end(), baseline.begin(), baseline.end());
+    out_.insert(out_.end(), modes_.begin(), modes_.end());
+    return out_;
+  }
+
+ private:
+  static std::uint32_t word(const std::uint8_t* p) {
+    return p[0] | p[1] << 8 | p[2] << 16 | std::uint32_t(p[3]) << 24;
+  }
+  template <class T>
+  static T zigzag(T v) {
+    return T(v >> (8 * sizeof(T) - 1) ? ~(v << 1) : v << 1);
+  }
+
+  std::uint32_t delta(std::uint32_t value, std::uint32_t last, std::uint8_t mode) const {
+    if ((mode & 15) == 2) return std::rotr(value ^ last, mode >> 4);
+    std::uint32_t result = 0;
+    const unsigned step = (mode & 15) == 1 ? 16 : 8;
+    for (unsigned shift = 0; shift < 32; shift += step) {
+      const std::uint32_t difference = (value >> shift) - (last >> shift);
+      result |= (step == 16 ? std::uint32_t(zigzag(std::uint16_t(difference)))
+                            : std::uint32_t(zigzag(std::uint8_t(difference))))
+                << shift;
+    }
+    return result;
+  }
+
+  void write_block(const Bytes& elements, std::size_t first, std::size_t count, Bytes& last) {
+    std::vector<Bytes> deltas(stride_, Bytes((count + 15) / 16 * 16, 0));
+    for (std::size_t c = 0; c < stride_; c += 4) {
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::uint8_t* value = &elements[(first + i) * stride_ + c];
+        const std::uint32_t d = delta(word(value), word(&last[c]), modes_[c / 4]);
+        for (std::size_t k = 0; k < 4; ++k) deltas[c + k][i] = std::uint8_t(d >> (8 * k));
+        std::copy_n(value, 4, &last[c]);
+      }
+    }
+    Bytes controls(stride_ / 4, 0), data;
+    for (std::size_t k = 0; k < stride_; ++k) {
+      const bool zeros =
+          std::all_of(deltas[k].begin(), deltas[k].end(), [](std::uint8_t d) { return d == 0; });
+      const unsigned control = zeros && random_() % 2 ? 2 : random_() % 4 == 0 ? 3 : random_() % 2;
+      controls[k / 4] |= std::uint8_t(control << (k % 4 * 2));
+      write_bytes(deltas[k], count, control, data);
+    }
+    out_.insert(out_.end(), controls.begin(), controls.end());
+    out_.insert(out_.end(), data.begin(), data.end());
+  }
+
+  void write_bytes(const Bytes& deltas, std::size_t count, unsigned control, Bytes& data) {
+    if (control == 2) return;
+    if (control == 3) {
+      data.insert(data.end(), deltas.begin(), deltas.begin() + std::ptrdiff_t(count));
+      return;
+    }
+    const std::array<unsigned, 4> widths =
+        control == 0 ? std::array<unsigned, 4>{0, 1, 2, 4} : std::array<unsigned, 4>{1, 2, 4, 8};
+    Bytes header((deltas.size() / 16 + 3) / 4, 0), groups;
+    for (std::size_t g = 0; g < deltas.size() / 16; ++g) {
+      unsigned mode = unsigned(random_() % 4);
+      const auto group = std::span(deltas).subspan(g * 16, 16);
+      const bool zeros = std::all_of(group.begin(), group.end(), [](std::uint8_t d) { return d == 0; });
+      if (widths[mode] == 0 && !zeros) mode = 3;
+      header[g / 4] |= std::uint8_t(mode << (g % 4 * 2));
+      write_group(group, widths[mode], groups);
+    }
+    data.insert(data.end(), header.begin(), header.end());
+    data.insert(data.end(), groups.begin(), groups.end());
+  }
+
+  static void write_group(std::span<const std::uint8_t> group, unsigned bits, Bytes& out) {
+    if (bits == 0) return;
+    if (bits == 8) {
+      out.insert(out.end(), group.begin(), group.end());
+      return;
+    }
+    const unsigned sentinel = (1u << bits) - 1, per_byte = 8 / bits;
+    Bytes packed(2 * bits, 0), extra;
+    for (unsigned i = 0; i < 16; ++i) {
+      const unsigned code = std::min<unsigned>(group[i], sentinel);
+      const unsigned place = bits == 1 ? i % 8 : (per_byte - 1 - i % per_byte) * bits;
+      packed[i / per_byte] |= std::uint8_t(code << place);
+      if (code == sentinel) extra.push_back(group[i]);
+    }
+    out.insert(out.end(), packed.begin(), packed.end());
+    out.insert(out.end(), extra.begin(), extra.end());
+  }
+
+  const std::size_t stride_;
+  const std::vector<std::uint8_t> modes_;
+  std::mt19937 random_;
+  Bytes out_;
+};
+
+TEST(Meshopt, ReadsVersion1) {
+  for (const std::size_t stride : {4, 12, 16, 256}) {
+    for (const std::size_t count : {1, 16, 33, 256, 700}) {
+      for (unsigned spread = 0; spread < 6; ++spread) {
+        std::vector<std::uint8_t> modes;
+        for (std::size_t c = 0; c < stride / 4; ++c)
+          modes.push_back(std::array<std::uint8_t, 5>{0, 1, 2, 0x52, 0xf2}[(c + spread) % 5]);
+        const Bytes elements = sample_elements(count, stride);
+        const Bytes file = Version1(stride, modes, spread).encode(elements);
+        ASSERT_EQ(decoded(file, {MeshoptMode::kAttributes, MeshoptFilter::kNone, count, stride}), elements)
+            << stride << " " << count << " " << spread;
+      }
+    }
+  }
+}
+
+// The example of the specification: 4-bit deltas with two sentinels, in the first byte of 16 elements.
+TEST(Meshopt, ReadsTheSpecificationsExample) {
+  Bytes file{0xa0, 0x02, 0x17, 0x5f, 0xf0, 0xbc, 0x77, 0xa9, 0x21, 0x00, 0x34, 0xb5};
+  file.insert(file.end(), 3, 0);   // the other three bytes of an element: all deltas are 0
+  file.insert(file.end(), 32, 0);  // padding and a baseline of zeros
+  const Bytes out = decoded(file, {MeshoptMode::kAttributes, MeshoptFilter::kNone, 16, 4});
+  const std::array<int, 16> deltas{-1, -4, -3, 26, -91, 0, -6, 6, -4, -4, 5, -5, 1, -1, 0, 0};
+  int value = 0;
+  for (std::size_t i = 0; i < 16; ++i) {
+    value += deltas[i];
+    EXPECT_EQ(out[i * 4], std::uint8_t(value)) << i;
+    EXPECT_EQ(out[i * 4 + 1], 0);
+  }
+}
+
+std::vector<std::uint32_t> fan(std::uint32_t triangles) {
+  std::vector<std::uint32_t> indices;
+  for (std::uint32_t i = 0; i < triangles; ++i) indices.insert(indices.end(), {i, i + 1, i + 2 + i % 3});
+  return indices;
+}
+
+TEST(Meshopt, ReadsTrianglesAndIndices) {
+  const std::vector<std::uint32_t> indices = fan(300);
+  for (const std::size_t stride : {2, 4}) {
+    Bytes expected;
+    for (const std::uint32_t index : indices) {
+      for (std::size_t k = 0; k < stride; ++k) expected.push_back(std::uint8_t(index >> (8 * k)));
+    }
+    meshopt_encodeIndexVersion(1);
+    Bytes triangles(meshopt_encodeIndexBufferBound(indices.size(), 400));
+    triangles.resize(
+        meshopt_encodeIndexBuffer(triangles.data(), triangles.size(), indices.data(), indices.size()));
+    const Bytes back =
+        decoded(triangles, {MeshoptMode::kTriangles, MeshoptFilter::kNone, indices.size(), stride});
+    ASSERT_EQ(back.size(), expected.size());
+    Bytes sequence(meshopt_encodeIndexSequenceBound(indices.size(), 400));
+    sequence.resize(
+        meshopt_encodeIndexSequence(sequence.data(), sequence.size(), indices.data(), indices.size()));
+    EXPECT_EQ(decoded(sequence, {MeshoptMode::kIndices, MeshoptFilter::kNone, indices.size(), stride}),
+              expected);
+    // A triangle may come back turned: the same three corners in the same order.
+    for (std::size_t i = 0; i < back.size(); i += 3 * stride) {
+      Bytes one(back.begin() + std::ptrdiff_t(i), back.begin() + std::ptrdiff_t(i + 3 * stride));
+      const Bytes wanted(expected.begin() + std::ptrdiff_t(i),
+                         expected.begin() + std::ptrdiff_t(i + 3 * stride));
+      int turns = 0;
+      while (one != wanted && turns++ < 3)
+        std::rotate(one.begin(), one.begin() + std::ptrdiff_t(stride), one.end());
+      EXPECT_LT(turns, 3);
+    }
+  }
+}
+
+TEST(Meshopt, UndoesTheOctahedralFilter) {
+  const std::vector<float> vectors{0, 0, 1, 0.5f, 0.6f, -0.8f, 0, 1, -0.48f, 0.6f, -0.64f, -1};
+  for (const std::size_t stride : {4, 8}) {
+    Bytes filtered(3 * stride);
+    meshopt_encodeFilterOct(filtered.data(), 3, stride, stride == 4 ? 8 : 12, vectors.data());
+    const Bytes out = decoded(encoded_by_library(filtered, stride),
+                              {MeshoptMode::kAttributes, MeshoptFilter::kOctahedral, 3, stride});
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float value =
+            stride == 4 ? float(std::int8_t(out[i * 4 + c])) / 127
+                        : float(std::int16_t(out[i * 8 + c * 2] | out[i * 8 + c * 2 + 1] << 8)) / 32767;
+        EXPECT_NEAR(value, vectors[i * 4 + c], stride == 4 ? 0.02 : 0.002);
+      }
+    }
+  }
+}
+
+TEST(Meshopt, UndoesTheQuaternionFilter) {
+  const std::vector<float> quaternion{0.1f, -0.7f, 0.1f, 0.7f};
+  Bytes filtered(8);
+  meshopt_encodeFilterQuat(filtered.data(), 1, 8, 12, quaternion.data());
+  const Bytes out =
+      decoded(encoded_by_library(filtered, 8), {MeshoptMode::kAttributes, MeshoptFilter::kQuaternion, 1, 8});
+  double dot = 0;
+  for (std::size_t c = 0; c < 4; ++c)
+    dot += double(std::int16_t(out[c * 2] | out[c * 2 + 1] << 8)) / 32767 * quaternion[c];
+  EXPECT_NEAR(std::abs(dot), 1, 0.001);
+}
+
+TEST(Meshopt, UndoesTheExponentialFilter) {
+  // 2^-3 * 5 and 2^10 * -3, as the specification packs them.
+  Bytes elements{5, 0, 0, 0xfd, 0xfd, 0xff, 0xff, 10};
+  const Bytes out =
+      decoded(encoded_by_library(elements, 8), {MeshoptMode::kAttributes, MeshoptFilter::kExponential, 1, 8});
+  float values[2];
+  std::memcpy(values, out.data(), 8);
+  EXPECT_EQ(values[0], 0.625f);
+  EXPECT_EQ(values[1], -3072.0f);
+}
+
+// K bits: Y, Co, Cg of R, G, B as the lifting Y = (R + 2G + B) / 4 gives them, alpha under the bit K - 1.
+TEST(Meshopt, UndoesTheColorFilter) {
+  // K = 8: grey 200, opaque; K = 8: y + co - cg = 255 (red), y + cg = 0, y - co - cg = 1.
+  const Bytes elements{200, 0, 0, 0xff, 64, 127, std::uint8_t(-64), 0x80};
+  const Bytes out =
+      decoded(encoded_by_library(elements, 4), {MeshoptMode::kAttributes, MeshoptFilter::kColor, 2, 4});
+  EXPECT_EQ(out, (Bytes{200, 200, 200, 255, 255, 0, 1, 0}));
+  // K = 4 of 16: 15 is all, 8 | 7 = alpha 15 of 15.
+  const Bytes wide{15, 0, 0, 0, 0, 0, 15, 0};
+  EXPECT_EQ(decoded(encoded_by_library(wide, 8), {MeshoptMode::kAttributes, MeshoptFilter::kColor, 1, 8}),
+            Bytes(8, 0xff));
+}
+
+TEST(Meshopt, KnowsWhatALayoutMayBe) {
+  const auto sound = [](MeshoptMode mode, MeshoptFilter filter, std::uint64_t count, std::uint64_t stride) {
+    return meshopt_fault({mode, filter, count, stride}) == nullptr;
+  };
+  using enum MeshoptMode;
+  using enum MeshoptFilter;
+  EXPECT_TRUE(sound(kAttributes, kNone, 1, 256));
+  EXPECT_FALSE(sound(kAttributes, kNone, 1, 260));
+  EXPECT_FALSE(sound(kAttributes, kNone, 1, 0));
+  EXPECT_FALSE(sound(kAttributes, kNone, 1, 6));
+  EXPECT_FALSE(sound(kAttributes, kOctahedral, 1, 12));
+  EXPECT_FALSE(sound(kAttributes, kColor, 1, 16));
+  EXPECT_FALSE(sound(kAttributes, kQuaternion, 1, 4));
+  EXPECT_TRUE(sound(kAttributes, kExponential, 1, 12));
+  EXPECT_FALSE(sound(kTriangles, kNone, 4, 2));
+  EXPECT_FALSE(sound(kTriangles, kNone, 3, 1));
+  EXPECT_FALSE(sound(kIndices, kColor, 3, 4));
+  EXPECT_TRUE(sound(kIndices, kNone, 4, 4));
+}
+
+TEST(Meshopt, ClaimsNeedBytes) {
+  const Bytes file = encoded_by_library(sample_elements(100, 8), 8);
+  const auto error = error_of([&] {
+    decoded(file, {MeshoptMode::kAttributes, MeshoptFilter::kNone, std::uint64_t{1} << 50, 8});
+  });
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->code, ErrorCode::kUnprocessable);
+}
+
+TEST(Meshopt, DamageEndsInBytesOrAnError) {
+  const std::size_t count = 300, stride = 12;
+  const Bytes elements = sample_elements(count, stride);
+  const MeshoptLayout layout{MeshoptMode::kAttributes, MeshoptFilter::kNone, count, stride};
+  for (const Bytes& file :
+       {encoded_by_library(elements, stride), Version1(stride, {0, 1, 2}, 1).encode(elements)}) {
+    for (std::size_t size = 0; size < file.size(); ++size) {
+      const Bytes cut(file.begin(), file.begin() + std::ptrdiff_t(size));
+      EXPECT_TRUE(error_of([&] { decoded(cut, layout); })) << size;
+    }
+    Bytes longer = file;
+    longer.push_back(0);
+    EXPECT_TRUE(error_of([&] { decoded(longer, layout); }));
+    std::mt19937 random(5);
+    for (int round = 0; round < 2000; ++round) {
+      Bytes broken = file;
+      broken[random() % broken.size()] ^= std::uint8_t(1u << random() % 8);
+      const auto error = error_of([&] { EXPECT_EQ(decoded(broken, layout).size(), count * stride); });
+      EXPECT_TRUE(!error || error->code == ErrorCode::kUnprocessable);
+    }
+  }
+}
+
+// A triangle whose positions and indices are compressed, the plain buffer a placeholder.
+GltfBuilder compressed_triangle(const std::string& name) {
+  GltfBuilder builder;
+  const std::vector<float> positions{0, 0, 0, 2, 0, 0, 0, 2, 0};
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(positions.data());
+  const Bytes vertices = encoded_by_library({bytes, bytes + 36}, 12);
+  const std::vector<std::uint32_t> triangle{0, 1, 2};
+  Bytes indices(meshopt_encodeIndexBufferBound(3, 3));
+  indices.resize(meshopt_encodeIndexBuffer(indices.data(), indices.size(), triangle.data(), 3));
+  const auto add = [&](const Bytes& file, std::size_t at, std::size_t count, std::size_t stride,
+                       const char* mode) {
+    const int view = builder.add_view(file);
+    Json& json = builder.json["bufferViews"][std::size_t(view)];
+    const Json compressed = {{"buffer", 0},
+                             {"byteOffset", json["byteOffset"]},
+                             {"byteLength", file.size()},
+                             {"byteStride", stride},
+                             {"count", count},
+                             {"mode", mode}};
+    json = {{"buffer", 1}, {"byteOffset", at}, {"byteLength", count * stride}};
+    json["extensions"][name] = compressed;
+    return view;
+  };
+  const int vertex_view = add(vertices, 0, 3, 12, "ATTRIBUTES"),
+            index_view = add(indices, 36, 3, 2, "TRIANGLES");
+  const int position = builder.add(
+      "accessors", {{"bufferView", vertex_view}, {"type", "VEC3"}, {"componentType", 5126}, {"count", 3}});
+  const int index = builder.add(
+      "accessors", {{"bufferView", index_view}, {"type", "SCALAR"}, {"componentType", 5123}, {"count", 3}});
+  builder.show({{"attributes", {{"POSITION", position}}}, {"indices", index}});
+  builder.json["extensionsRequired"] = builder.json["extensionsUsed"] = {name};
+  return builder;
+}
+
+// `placeholder`: what the second buffer says of itself.
+ModelBundle bundle_of(const GltfBuilder& builder, Json placeholder) {
+  ModelBundle bundle = builder.bundle();
+  Json document = Json::parse(bundle.document.text());
+  placeholder["byteLength"] = 4200;
+  document["buffers"].push_back(std::move(placeholder));
+  bundle.document = Blob(document.dump());
+  bundle.seal();
+  return bundle;
+}
+
+class MeshoptDocument : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Names, MeshoptDocument,
+                         ::testing::Values("EXT_meshopt_compression", "KHR_meshopt_compression"));
+
+TEST_P(MeshoptDocument, FillsTheViews) {
+  const GltfBuilder builder = compressed_triangle(GetParam());
+  const Json flag = {{"extensions", {{GetParam(), {{"fallback", true}}}}}};
+  Json lost = flag;
+  lost["uri"] = "fallback.bin";
+  for (const Json& placeholder : {Json::object(), flag, lost}) {
+    const ModelBundle bundle = bundle_of(builder, placeholder);
+    const Scene scene = import_gltf(bundle, {}, {}, Deadline());
+    EXPECT_EQ(world_bounds(scene).max, glm::vec3(2, 2, 0));
+    EXPECT_EQ(scene.meshes.at(0).indices, (std::vector<std::uint32_t>{0, 1, 2}));
+    EXPECT_EQ(gltf_external_uris(bundle.document, {}), std::vector<std::string>{"data.bin"});
+  }
+}
+
+TEST_P(MeshoptDocument, RefusesWhatCannotBe) {
+  const std::string at = "/bufferViews/0/extensions/" + std::string(GetParam());
+  const auto pointer_with = [&](const std::string& key, const Json& value) {
+    GltfBuilder builder = compressed_triangle(GetParam());
+    builder.json["bufferViews"][0]["extensions"][GetParam()][key] = value;
+    const auto error = error_of([&] { import_gltf(bundle_of(builder, Json::object()), {}, {}, Deadline()); });
+    return error ? error->pointer : "no error";
+  };
+  EXPECT_EQ(pointer_with("mode", "VERTICES"), at + "/mode");
+  EXPECT_EQ(pointer_with("filter", "GZIP"), at + "/filter");
+  EXPECT_EQ(pointer_with("filter", "QUATERNION"), at);
+  EXPECT_EQ(pointer_with("byteStride", 10), at);
+  EXPECT_EQ(pointer_with("count", 4), at + "/count");
+  EXPECT_EQ(pointer_with("byteLength", 1u << 30), at + "/byteLength");
+  EXPECT_EQ(pointer_with("byteLength", 3), at);
+  EXPECT_EQ(pointer_with("buffer", 2), at + "/buffer");
+  EXPECT_EQ(pointer_with("buffer", 1), "/buffers/1");
+}
+
+}  // namespace
+}  // namespace furnace::testing
