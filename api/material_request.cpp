@@ -30,7 +30,7 @@ Blob read_image(const Value& reference, const AssetResolver& assets, Faults& fau
     const ImageFormat format = sniff_image_format(encoded.bytes());
     if (is_texture_format(format)) return;
     fail(ErrorCode::kUnprocessable,
-         fmt::format("a texture is a PNG, JPEG or WebP file; the format of this one is {}",
+         fmt::format("a texture is a {} file; the format of this one is {}", kTextureFormats,
                      image_format_name(format)),
          reference.pointer());
   });

@@ -78,16 +78,23 @@ double half_scale(double peak) {
 
 PreparedPixels prepare_texture(const Blob& encoded, ColorSpace color_space, const std::string& pointer,
                                const DecodeLimits& limits) {
+  PreparedPixels prepared;
   try {
-    Image pixels = to_uploadable(decode_texture(encoded, color_space, limits), color_space);
-    const float lowest = lowest_green(pixels);
-    return {std::move(pixels), lowest, std::nullopt};
+    DecodedTexture decoded = decode_texture(encoded, color_space, limits);
+    prepared.lowest_green = 1;
+    for (Image& level : decoded.levels) {
+      prepared.levels.push_back(to_uploadable(std::move(level), color_space));
+      prepared.lowest_green = std::min(prepared.lowest_green, lowest_green(prepared.levels.back()));
+    }
+    for (TextureRemark& remark : decoded.remarks)
+      prepared.notes.push_back({std::move(remark.code), pointer, std::move(remark.message)});
   } catch (Error& error) {
     error.pointer = pointer;
     if (error.code != ErrorCode::kUnsupportedMedia) throw;
-    return {white_pixel(), 1,
-            Note{"texture-unsupported", pointer, error.message + "; white stands in for it"}};
+    prepared = {{white_pixel()}, 1, {}};
+    prepared.notes.push_back({"texture-unsupported", pointer, error.message + "; white stands in for it"});
   }
+  return prepared;
 }
 
 PreparedSky prepare_sky(const Image& radiance, const ContentHash& key, WorkerPool& pool) {

@@ -1,8 +1,8 @@
 // Decoded pixels in the shapes that residency uploads.
 #pragma once
 
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "renderer/base/worker_pool.hpp"
 #include "renderer/image/decode.hpp"
@@ -11,9 +11,9 @@
 namespace furnace {
 
 struct PreparedPixels {
-  Image pixels;              // RGBA kUint8 or kUint16
-  float lowest_green = 0;    // [0, 1]
-  std::optional<Note> note;  // when white stands in for a format that is not read
+  std::vector<Image> levels;  // as DecodedTexture's; RGBA kUint8 or kUint16
+  float lowest_green = 0;     // [0, 1]
+  std::vector<Note> notes;  // where it is not shown as stored: white stands in for a format that is not read
 };
 
 // Errors: kUnprocessable for damaged bytes and kTooLarge over the limits, both with `pointer` (into the model).

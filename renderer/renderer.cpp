@@ -121,22 +121,27 @@ struct Renderer::State {
         gl_thread("gl-0",
                   [world_config = RenderWorldConfig{config.gl, config.shader_dir, config.gpu_cache_bytes},
                    keys = resident] { return std::make_unique<RenderWorld>(world_config, keys); }),
-        scenes(config, pool, resident),
+        limits(gl_thread.call(Deadline(), [](RenderWorld& world) { return world.context().limits(); })),
+        scenes(within(limits, config), pool, resident),
         max_tile_px(config.max_tile_px) {}
+
+  static RendererConfig within(const gl::Limits& limits, RendererConfig config) {
+    config.texture.max_side_px = std::min(config.texture.max_side_px, limits.max_texture_px);
+    return config;
+  }
 
   std::shared_ptr<ResidentKeys> resident;
   GlThread gl_thread;
+  const gl::Limits limits;
   SceneStore scenes;
   const int max_tile_px;
   Fingerprint fingerprint;
-  gl::Limits limits;
 };
 
 Renderer::Renderer(const RendererConfig& config, WorkerPool& pool)
     : state_(std::make_unique<State>(config, pool)) {
   state_->fingerprint.build = config.build_id;
   state_->gl_thread.call(Deadline(), [&](RenderWorld& world) {
-    state_->limits = world.context().limits();
     state_->fingerprint.gl = world.context().renderer() + " / " + world.context().version();
     state_->fingerprint.shaders = world.programs().shaders().hash().hex().substr(0, 12);
   });

@@ -32,7 +32,7 @@ struct RendererConfig {
   std::int64_t gpu_cache_bytes = 1024ll << 20;  // meshes, textures, environments on the GPU, per context
   int max_tile_px = 1024;                       // larger pictures are drawn in tiles of this side
   ImportLimits import;
-  DecodeLimits texture;
+  DecodeLimits texture;  // the side is also held within the GPU's
   DecodeLimits environment{8192, 8192ll * 4096};
 };
 

@@ -1,6 +1,7 @@
 #include "renderer/scene_store.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 
 #include <fmt/format.h>
@@ -152,7 +153,7 @@ void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, std::v
     }
   }
   out.textures.resize(wanted.size());
-  std::vector<std::optional<Note>> texture_notes(wanted.size());
+  std::vector<std::vector<Note>> texture_notes(wanted.size());
   constexpr double kDecodeCostUs = 10'000;
   pool_.parallel_for(wanted.size(), kDecodeCostUs, [&](std::size_t i) {
     const Wanted& texture = wanted[i];
@@ -164,14 +165,12 @@ void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, std::v
     if (resident_->contains(out.textures[i].key)) return;
     PreparedPixels prepared =
         prepare_texture(texture.image->encoded, texture.color_space, texture.image->pointer, config_.texture);
-    out.textures[i].pixels = std::make_shared<const Image>(std::move(prepared.pixels));
+    out.textures[i].levels = std::make_shared<const std::vector<Image>>(std::move(prepared.levels));
     out.textures[i].lowest_green = prepared.lowest_green;
-    texture_notes[i] = std::move(prepared.note);
+    texture_notes[i] = std::move(prepared.notes);
   });
-  for (auto& note : texture_notes) {
-    if (note) notes.push_back(std::move(*note));
-  }
-  for (const PreparedTexture& texture : out.textures) hit = hit && texture.pixels == nullptr;
+  for (auto& more : texture_notes) std::move(more.begin(), more.end(), std::back_inserter(notes));
+  for (const PreparedTexture& texture : out.textures) hit = hit && texture.levels == nullptr;
 }
 
 EnvironmentAnswer SceneStore::environment_summary(const EnvironmentSpec& spec, const Deadline& deadline) {

@@ -4,6 +4,7 @@
 #include <bit>
 #include <string>
 
+#include "renderer/base/check.hpp"
 #include "renderer/base/error.hpp"
 
 namespace furnace::gl {
@@ -41,6 +42,13 @@ void check_size(const Context& context, Extent extent) {
   fail(ErrorCode::kTooLarge, "a texture of " + std::to_string(extent.width) + "x" +
                                  std::to_string(extent.height) + " px exceeds this GPU's limit of " +
                                  std::to_string(limit) + " px a side");
+}
+
+void fill_level(const Texture& texture, GLint level, const Image& image) {
+  const Format format = format_of(image);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTextureSubImage2D(texture.id(), level, 0, 0, image.extent.width, image.extent.height, format.transfer,
+                      format.type, image.pixels.data());
 }
 
 GLint wrap_mode(Wrap wrap) {
@@ -95,13 +103,30 @@ Texture create_texture_array(Context& context, GLenum internal_format, Extent ex
 }
 
 Texture upload_texture(Context& context, const Image& image, bool mipmapped) {
+  if (mipmapped) return upload_levels(context, {&image, 1});
   const Format format = format_of(image);
-  Texture texture =
-      create_texture(context, format.internal, image.extent, mipmapped ? mip_levels(image.extent) : 1);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTextureSubImage2D(texture.id(), 0, 0, 0, image.extent.width, image.extent.height, format.transfer,
-                      format.type, image.pixels.data());
-  if (mipmapped) glGenerateTextureMipmap(texture.id());
+  Texture texture = create_texture(context, format.internal, image.extent, 1);
+  fill_level(texture, 0, image);
+  check_memory("a texture");
+  return texture;
+}
+
+Texture upload_levels(Context& context, std::span<const Image> levels) {
+  const Extent extent = levels.front().extent;
+  const int whole = mip_levels(extent), given = int(levels.size());
+  Texture texture = create_texture(context, format_of(levels.front()).internal, extent, whole);
+  for (int level = 0; level < given; ++level) {
+    const Image& image = levels[std::size_t(level)];
+    const Extent due{std::max(extent.width >> level, 1), std::max(extent.height >> level, 1)};
+    FURNACE_CHECK(level < whole && image.extent == due, "level {} of {} has {} x {} px", level, whole,
+                  image.extent.width, image.extent.height);
+    fill_level(texture, level, image);
+  }
+  if (given < whole) {
+    glTextureParameteri(texture.id(), GL_TEXTURE_BASE_LEVEL, given - 1);
+    glGenerateTextureMipmap(texture.id());
+    glTextureParameteri(texture.id(), GL_TEXTURE_BASE_LEVEL, 0);
+  }
   check_memory("a texture");
   return texture;
 }

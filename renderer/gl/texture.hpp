@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <span>
 
 #include "renderer/gl/gl.hpp"
 #include "renderer/image/image.hpp"
@@ -22,6 +23,10 @@ Texture create_texture_array(Context&, GLenum internal_format, Extent extent, in
 // kUint8: GL_SRGB8_ALPHA8 for kSrgb (4 channels only), else RGBA8/RG8/R8 kinds; kUint16: 16-bit normalised; kFloat16/32 likewise.
 // Errors: kTooLarge over the context's texture size, kGpuUnavailable when memory is out.
 Texture upload_texture(Context&, const Image& image, bool mipmapped);
+
+// Fills the first levels of a whole chain, then builds those that are left from the last one. Each of `levels` is half
+// as large as the one before, rounded down; formats and errors as above.
+Texture upload_levels(Context&, std::span<const Image> levels);
 
 // `color` or `depth` may be empty. Errors: kGpuUnavailable when incomplete.
 Framebuffer create_framebuffer(Context&, const Texture& color, const Texture& depth);

@@ -23,6 +23,7 @@ void check_extent(std::string_view format, std::int64_t width, std::int64_t heig
 // Samples as glTF wants them: nothing but what is stored. Threads: any.
 Image decode_png(std::span<const std::byte> file, ColorSpace color_space, const DecodeLimits& limits);
 Image decode_jpeg(std::span<const std::byte> file, ColorSpace color_space, const DecodeLimits& limits);
+Image decode_avif(std::span<const std::byte> file, ColorSpace color_space, const DecodeLimits& limits);
 Image decode_webp(std::span<const std::byte> file, ColorSpace color_space, const DecodeLimits& limits);
 
 // RGB, kFloat32, exactly as stored: NaN, infinities and negative values included. Threads: any.

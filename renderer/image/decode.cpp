@@ -1,6 +1,7 @@
 #include "renderer/image/decode.hpp"
 
 #include "renderer/image/codecs.hpp"
+#include "renderer/image/downscale.hpp"
 #include "renderer/base/error.hpp"
 
 #include <fmt/format.h>
@@ -81,6 +82,37 @@ std::array<float, 3> finite_peaks(std::span<const float> samples) {
   return peaks;
 }
 
+// ISO/IEC 14496-12: the file type box names its brands.
+bool is_avif(std::string_view text) {
+  if (text.size() < 16 || text.substr(4, 4) != "ftyp") return false;
+  const std::size_t size = std::size_t(std::uint8_t(text[2])) << 8 | std::uint8_t(text[3]);
+  for (std::size_t at = 8; at + 4 <= std::min(size, text.size()); at += at == 8 ? 8 : 4) {
+    if (text.substr(at, 4) == "avif") return true;
+  }
+  return false;
+}
+
+// Scaling down begins here; what is longer is a mistake or worse.
+constexpr int kMostSidePx = 65536;
+
+Image decode_picture(const Blob& encoded, ColorSpace color_space, const DecodeLimits& limits) {
+  const ImageFormat format = sniff_image_format(encoded.bytes());
+  switch (format) {
+    case ImageFormat::kPng:
+      return decode_png(encoded.bytes(), color_space, limits);
+    case ImageFormat::kJpeg:
+      return decode_jpeg(encoded.bytes(), color_space, limits);
+    case ImageFormat::kWebp:
+      return decode_webp(encoded.bytes(), color_space, limits);
+    case ImageFormat::kAvif:
+      return decode_avif(encoded.bytes(), color_space, limits);
+    default:
+      break;
+  }
+  fail(ErrorCode::kUnsupportedMedia, fmt::format("a texture is a {} file; the format of this one is {}",
+                                                 kTextureFormats, image_format_name(format)));
+}
+
 }  // namespace
 
 ImageFormat sniff_image_format(std::span<const std::byte> bytes) {
@@ -88,6 +120,7 @@ ImageFormat sniff_image_format(std::span<const std::byte> bytes) {
   if (text.starts_with("\x89PNG\r\n\x1a\n")) return ImageFormat::kPng;
   if (text.starts_with("\xff\xd8\xff")) return ImageFormat::kJpeg;
   if (text.starts_with("RIFF") && text.size() >= 12 && text.substr(8, 4) == "WEBP") return ImageFormat::kWebp;
+  if (is_avif(text)) return ImageFormat::kAvif;
   if (text.starts_with("\x76\x2f\x31\x01")) return ImageFormat::kExr;
   if (text.starts_with("#?")) return ImageFormat::kHdr;
   return ImageFormat::kUnknown;
@@ -101,6 +134,8 @@ std::string_view image_format_name(ImageFormat format) {
       return "JPEG";
     case ImageFormat::kWebp:
       return "WebP";
+    case ImageFormat::kAvif:
+      return "AVIF";
     case ImageFormat::kExr:
       return "OpenEXR";
     case ImageFormat::kHdr:
@@ -112,7 +147,15 @@ std::string_view image_format_name(ImageFormat format) {
 }
 
 bool is_texture_format(ImageFormat format) {
-  return format == ImageFormat::kPng || format == ImageFormat::kJpeg || format == ImageFormat::kWebp;
+  switch (format) {
+    case ImageFormat::kPng:
+    case ImageFormat::kJpeg:
+    case ImageFormat::kWebp:
+    case ImageFormat::kAvif:
+      return true;
+    default:
+      return false;
+  }
 }
 
 void check_extent(std::string_view format, std::int64_t width, std::int64_t height,
@@ -138,21 +181,16 @@ void fail_damaged(std::string_view format, std::string_view what) {
   fail(ErrorCode::kUnprocessable, fmt::format("the {} is damaged: {}", format, what));
 }
 
-Image decode_texture(const Blob& encoded, ColorSpace color_space, const DecodeLimits& limits) {
-  const ImageFormat format = sniff_image_format(encoded.bytes());
-  switch (format) {
-    case ImageFormat::kPng:
-      return decode_png(encoded.bytes(), color_space, limits);
-    case ImageFormat::kJpeg:
-      return decode_jpeg(encoded.bytes(), color_space, limits);
-    case ImageFormat::kWebp:
-      return decode_webp(encoded.bytes(), color_space, limits);
-    default:
-      break;
-  }
-  fail(ErrorCode::kUnsupportedMedia,
-       fmt::format("a texture is a PNG, JPEG or WebP file; the format of this one is {}",
-                   image_format_name(format)));
+DecodedTexture decode_texture(const Blob& encoded, ColorSpace color_space, const DecodeLimits& limits) {
+  DecodedTexture texture;
+  texture.levels.push_back(decode_picture(encoded, color_space, {kMostSidePx, limits.max_area_px}));
+  const Extent whole = texture.levels[0].extent, extent = fitted(whole, limits.max_side_px);
+  if (extent == whole) return texture;
+  texture.levels[0] = downscaled(texture.levels[0], extent);
+  texture.remarks.push_back(
+      {"texture-downscaled", fmt::format("has {} x {} pixels and was scaled down to {} x {}", whole.width,
+                                         whole.height, extent.width, extent.height)});
+  return texture;
 }
 
 RepairReport repair_radiance(Image& image) {

@@ -1,11 +1,13 @@
-// Encoded bytes -> Image, one codec per format (codecs.hpp); nothing is trusted before the header was checked.
+// Encoded bytes -> pixels, one codec per format (codecs.hpp); nothing is trusted before the header was checked.
 #pragma once
 
 #include "renderer/image/image.hpp"
 #include "renderer/base/blob.hpp"
 
 #include <cstdint>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace furnace {
 
@@ -14,18 +16,31 @@ struct DecodeLimits {
   std::int64_t max_area_px = 50'000'000;
 };
 
-enum class ImageFormat { kUnknown, kPng, kJpeg, kWebp, kExr, kHdr };
+enum class ImageFormat { kUnknown, kPng, kJpeg, kWebp, kAvif, kExr, kHdr };
 
 // By magic number, never by name.
 ImageFormat sniff_image_format(std::span<const std::byte> bytes);
 std::string_view image_format_name(ImageFormat format);  // "PNG", ...
-bool is_texture_format(ImageFormat format);              // what decode_texture reads: PNG, JPEG, WebP
+bool is_texture_format(ImageFormat format);              // what decode_texture reads
+inline constexpr std::string_view kTextureFormats = "PNG, JPEG, WebP or AVIF";
 
-// PNG, JPEG (and WebP) for material textures: 8-bit or 16-bit samples, 1..4 channels as stored (palettes
-// expanded, CMYK converted), gamma and EXIF orientation ignored as glTF asks. `color_space` is what the
-// texture slot says. Errors: kUnsupportedMedia (not such a file), kTooLarge (limits), kUnprocessable
-// (damaged). Threads: any.
-Image decode_texture(const Blob& encoded, ColorSpace color_space, const DecodeLimits& limits);
+// Something of a texture that was not taken as it is stored.
+struct TextureRemark {
+  std::string code;     // stable, kebab-case, as Note::code
+  std::string message;  // goes on after "the texture"
+};
+
+struct DecodedTexture {
+  // The largest first, each half as large as the one before, rounded down; at least one.
+  std::vector<Image> levels;
+  std::vector<TextureRemark> remarks;
+};
+
+// For material textures: 8-bit or 16-bit samples, 1..4 channels as stored (palettes expanded, CMYK converted), gamma
+// and EXIF orientation ignored as glTF asks. `color_space` is what the texture slot says. A picture within the area
+// but with a longer side than the limits have is scaled down. Errors: kUnsupportedMedia (not such a file), kTooLarge
+// (limits), kUnprocessable (damaged). Threads: any.
+DecodedTexture decode_texture(const Blob& encoded, ColorSpace color_space, const DecodeLimits& limits);
 
 // What was mended in an HDRI before use; all zero for a clean file.
 struct RepairReport {

@@ -32,9 +32,10 @@ inline ContentHash occluder_key_of(const ContentHash& mesh) {
 
 struct PreparedTexture {
   ContentHash key;  // of the encoded bytes and the colour space
-  // RGBA kUint8 or kUint16; null when it was resident on the GPU a moment ago, so nothing was decoded.
-  std::shared_ptr<const Image> pixels;
-  float lowest_green = 0;  // [0, 1], of `pixels`: the lowest roughness in a metallic-roughness map
+  // RGBA kUint8 or kUint16, the largest first, each half as large as the one before; levels that are missing at the end
+  // are made of the last. Null when it was resident on the GPU a moment ago, so nothing was decoded.
+  std::shared_ptr<const std::vector<Image>> levels;
+  float lowest_green = 0;  // [0, 1], of `levels`: the lowest roughness in a metallic-roughness map
 };
 
 // What a bake found, for reports.

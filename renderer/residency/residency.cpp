@@ -114,10 +114,11 @@ const GpuOccluder* Residency::occluder(const PreparedMesh& mesh) {
 
 const GpuTexture* Residency::texture(const PreparedTexture& texture) {
   if (const GpuTexture* known = textures_.find(texture.key, frame_)) return known;
-  if (texture.pixels == nullptr) return nullptr;
+  if (texture.levels == nullptr) return nullptr;
   uploaded_ = true;
-  GpuTexture gpu{gl::upload_texture(context_, *texture.pixels, true), texture.pixels->extent,
-                 texture.pixels->byte_size() * 4 / 3, texture.lowest_green};
+  const Image& largest = texture.levels->front();
+  GpuTexture gpu{gl::upload_levels(context_, *texture.levels), largest.extent, largest.byte_size() * 4 / 3,
+                 texture.lowest_green};
   return textures_.insert(texture.key, frame_, std::move(gpu));
 }
 

@@ -92,7 +92,7 @@ struct GltfImage {
 };
 
 struct GltfTexture {
-  std::optional<int> image;
+  std::vector<int> images;  // the first that can be read counts: those of extensions, then the plain source
   SamplerDesc sampler;
 };
 

@@ -19,8 +19,10 @@ namespace furnace {
 
 namespace {
 
-constexpr std::array<std::string_view, 20> kSupportedExtensions{
+constexpr std::array<std::string_view, 22> kSupportedExtensions{
     "EXT_meshopt_compression",              // gltf_read_compression.cpp
+    "EXT_texture_avif",                     // gltf_read_material.cpp
+    "EXT_texture_webp",                     // gltf_read_material.cpp
     "KHR_draco_mesh_compression",           // gltf_draco.cpp
     "KHR_lights_punctual",                  // gltf_read_scene.cpp
     "KHR_materials_anisotropy",             // gltf_read_layers.cpp

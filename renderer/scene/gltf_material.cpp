@@ -32,14 +32,15 @@ std::optional<TextureSlot> GltfMaterials::convert(const std::optional<GltfTextur
     return std::nullopt;
   }
   const GltfTexture& texture = document_.textures[static_cast<std::size_t>(ref->texture)];
-  if (!texture.image) {
+  for (const int candidate : texture.images) {
+    if (const std::optional<int> image = scene_image(candidate))
+      return TextureSlot{*image, ref->uv_set, texture.sampler, ref->transform};
+  }
+  if (texture.images.empty()) {
     notes_.add("texture-without-image", "/textures/" + std::to_string(ref->texture),
                "has no source that can be read; the texture was left out");
-    return std::nullopt;
   }
-  const std::optional<int> image = scene_image(*texture.image);
-  if (!image) return std::nullopt;
-  return TextureSlot{*image, ref->uv_set, texture.sampler, ref->transform};
+  return std::nullopt;
 }
 
 std::optional<int> GltfMaterials::scene_image(int image) {
@@ -65,14 +66,15 @@ std::optional<Blob> GltfMaterials::find_image(int index) {
   } else {
     const auto sibling = bundle_.siblings.find(decode_relative_uri(image.uri, pointer + "/uri"));
     if (sibling == bundle_.siblings.end()) {
-      notes_.add("image-missing", pointer + "/uri",
-                 "the file " + image.uri + " is missing; the texture was left out");
+      notes_.add("image-missing", pointer + "/uri", "the file " + image.uri + " is missing; it was left out");
       return std::nullopt;
     }
     encoded = sibling->second;
   }
   if (!is_texture_format(sniff_image_format(encoded.bytes()))) {
-    notes_.add("image-unreadable", pointer, "is not PNG, JPEG or WebP; the texture was left out");
+    notes_.add(
+        "image-unreadable", pointer,
+        "is not " + std::string(kTextureFormats) + "; it was left out, another source may stand in for it");
     return std::nullopt;
   }
   return encoded;

@@ -1,6 +1,7 @@
 // Images, samplers, textures and materials. A factor outside its range is brought back into it and noted; a
 // wrong type or reference is an error.
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include <glm/gtc/type_ptr.hpp>
@@ -15,6 +16,9 @@ namespace {
 constexpr std::uint64_t kNearest = 9728, kLinear = 9729, kNearestMipmapNearest = 9984,
                         kLinearMipmapNearest = 9985, kNearestMipmapLinear = 9986, kLinearMipmapLinear = 9987,
                         kClampToEdge = 33071, kMirroredRepeat = 33648, kRepeat = 10497;
+
+// The best picture first.
+constexpr std::array<std::string_view, 2> kSourceExtensions{"EXT_texture_avif", "EXT_texture_webp"};
 
 Wrap read_wrap(const JsonObject& json, std::string_view key) {
   switch (json.integer(key, kRepeat)) {
@@ -133,7 +137,13 @@ SamplerDesc read_sampler(const JsonObject& json) {
 GltfTexture read_texture(const JsonObject& json, const GltfCounts& counts,
                          const std::vector<SamplerDesc>& samplers) {
   GltfTexture texture;
-  texture.image = json.reference("source", "image", counts.images);
+  for (const std::string_view name : kSourceExtensions) {
+    const auto extension = json.extension(name);
+    if (!extension) continue;
+    if (const auto image = extension->reference("source", "image", counts.images))
+      texture.images.push_back(*image);
+  }
+  if (const auto image = json.reference("source", "image", counts.images)) texture.images.push_back(*image);
   if (const auto sampler = json.reference("sampler", "sampler", counts.samplers)) {
     texture.sampler = samplers[static_cast<std::size_t>(*sampler)];
   }

@@ -46,7 +46,7 @@ struct Mesh {
 };
 
 struct SceneImage {
-  Blob encoded;  // PNG, JPEG (WebP) bytes
+  Blob encoded;  // what decode_texture reads
   // Place in the model's own document, e.g. "/images/3", or in the request, "/scene/materials/gold/textures/normal".
   std::string pointer;
 };

@@ -63,6 +63,26 @@ TEST_F(ObjectsGlTest, TextureKeepsRowZeroFirst) {
   EXPECT_EQ(width, 1);
 }
 
+// Levels that are given stay as they are; the others are made of the last one.
+TEST_F(ObjectsGlTest, TextureKeepsTheLevelsItIsGiven) {
+  std::vector<Image> levels;
+  for (const int side : {8, 4}) {
+    levels.push_back(make_image({side, side}, 4, SampleType::kUint8, ColorSpace::kNonColor));
+    std::fill(levels.back().pixels.begin(), levels.back().pixels.end(), std::byte(side * 10));
+  }
+  const Texture texture = upload_levels(context_, levels);
+  for (const auto& [level, value] :
+       {std::pair(0, 80), std::pair(1, 40), std::pair(2, 40), std::pair(3, 40)}) {
+    std::vector<std::uint8_t> back(std::size_t(8 >> level) * std::size_t(8 >> level) * 4);
+    glGetTextureImage(texture.id(), level, GL_RGBA, GL_UNSIGNED_BYTE, GLsizei(back.size()), back.data());
+    EXPECT_EQ(int(back.front()), value) << level;
+    EXPECT_EQ(int(back.back()), value) << level;
+  }
+  GLint base = -1;
+  glGetTextureParameteriv(texture.id(), GL_TEXTURE_BASE_LEVEL, &base);
+  EXPECT_EQ(base, 0);
+}
+
 TEST_F(ObjectsGlTest, TextureOverTheLimitIsTooLarge) {
   const int side = context_.limits().max_texture_px + 1;
   EXPECT_THROW(create_texture(context_, GL_R8, {side, 1}, 1), Error);

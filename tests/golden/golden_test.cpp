@@ -80,7 +80,7 @@ Image read_exr(const std::string& file) {
 // Samples as numbers: 0..255 for PNG, radiance for EXR.
 std::vector<double> samples_of(const std::string& file, bool exr, Extent& extent, int& channels) {
   std::vector<double> values;
-  const Image image = exr ? read_exr(file) : decode_texture(Blob(file), ColorSpace::kSrgb, {});
+  const Image image = exr ? read_exr(file) : decode_texture(Blob(file), ColorSpace::kSrgb, {}).levels[0];
   extent = image.extent;
   channels = image.channels;
   if (image.type == SampleType::kUint8) {

@@ -125,6 +125,13 @@ TEST(Damage, Webp) {
   expect_no_crash(decode_as_texture, sample::lossless_webp(9, 9, 4, sample::noise(9 * 9 * 4, 7)), 1500, 7);
 }
 
+TEST(Damage, Avif) {
+  for (const int channels : {3, 4})
+    expect_no_crash(decode_as_texture,
+                    sample::lossless_avif(9, 9, channels, 8, sample::noise(9u * 9u * unsigned(channels), 7)),
+                    300, 7);
+}
+
 TEST(Damage, Rgbe) {
   std::string planar = sample::rgbe_header(16, 3);
   for (int y = 0; y < 3; ++y) {

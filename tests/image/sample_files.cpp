@@ -2,11 +2,13 @@
 
 #include <cstdio>  // jpeglib.h wants it before itself
 #include <jpeglib.h>
+#include <avif/avif.h>
 #include <png.h>
 #include <webp/encode.h>
 
 #include <csetjmp>
 #include <cstdlib>
+#include <memory>
 #include <stdexcept>
 
 namespace furnace::sample {
@@ -105,6 +107,32 @@ std::string lossless_webp(int width, int height, int channels, const std::vector
   const std::size_t size = encode(samples.data(), width, height, width * channels, &bytes);
   std::string file(reinterpret_cast<char*>(bytes), size);
   WebPFree(bytes);
+  return file;
+}
+
+std::string lossless_avif(int width, int height, int channels, int depth,
+                          const std::vector<std::uint8_t>& samples) {
+  const std::unique_ptr<avifImage, decltype(&avifImageDestroy)> image(
+      avifImageCreate(std::uint32_t(width), std::uint32_t(height), std::uint32_t(depth),
+                      AVIF_PIXEL_FORMAT_YUV444),
+      avifImageDestroy);
+  image->matrixCoefficients = AVIF_MATRIX_COEFFICIENTS_IDENTITY;
+  avifRGBImage rgb;
+  avifRGBImageSetDefaults(&rgb, image.get());
+  rgb.format = channels == 4 ? AVIF_RGB_FORMAT_RGBA : AVIF_RGB_FORMAT_RGB;
+  rgb.pixels = const_cast<std::uint8_t*>(samples.data());
+  rgb.rowBytes = std::uint32_t(width * channels * (depth > 8 ? 2 : 1));
+  const std::unique_ptr<avifEncoder, decltype(&avifEncoderDestroy)> encoder(avifEncoderCreate(),
+                                                                            avifEncoderDestroy);
+  encoder->minQuantizer = encoder->maxQuantizer = AVIF_QUANTIZER_LOSSLESS;
+  encoder->minQuantizerAlpha = encoder->maxQuantizerAlpha = AVIF_QUANTIZER_LOSSLESS;
+  encoder->speed = AVIF_SPEED_FASTEST;
+  avifRWData out = AVIF_DATA_EMPTY;
+  if (avifImageRGBToYUV(image.get(), &rgb) != AVIF_RESULT_OK ||
+      avifEncoderWrite(encoder.get(), image.get(), &out) != AVIF_RESULT_OK)
+    throw std::runtime_error("libavif writes no AVIF");
+  std::string file(reinterpret_cast<const char*>(out.data), out.size);
+  avifRWDataFree(&out);
   return file;
 }
 

@@ -1,6 +1,7 @@
 // Small files of every format, made by libraries that the decoders under test do not use where there is one.
 #pragma once
 
+#include "renderer/image/decode.hpp"
 #include "renderer/image/image.hpp"
 #include "renderer/base/blob.hpp"
 #include "renderer/base/error.hpp"
@@ -8,6 +9,7 @@
 #include <cstdint>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace furnace::sample {
@@ -37,7 +39,16 @@ std::string flat_jpeg(int width, int height, const std::vector<std::uint8_t>& co
 
 std::string lossless_webp(int width, int height, int channels, const std::vector<std::uint8_t>& samples);
 
+// `samples` of 8 bits, or of 10 or 12 little-endian in 16. By libavif, RGB kept as it is.
+std::string lossless_avif(int width, int height, int channels, int depth,
+                          const std::vector<std::uint8_t>& samples);
+
 std::string rgbe_header(int width, int height);
+
+// A file that holds one picture, decoded as a texture.
+inline Image picture(const std::string& file, ColorSpace color_space, const DecodeLimits& limits = {}) {
+  return std::move(decode_texture(Blob(file), color_space, limits).levels.at(0));
+}
 
 // Runs `body`, which must fail with an Error.
 template <class Body>

@@ -15,8 +15,7 @@ TEST(WebpDecode, ReadsLosslessPixelsExactly) {
     auto samples = sample::noise(31u * 17u * static_cast<std::size_t>(channels), 3);
     // WebP drops the colour of invisible pixels.
     for (std::size_t i = 3; channels == 4 && i < samples.size(); i += 4) samples[i] |= 1;
-    const Image image = decode_texture(Blob(sample::lossless_webp(31, 17, channels, samples)),
-                                       ColorSpace::kSrgb, DecodeLimits{});
+    const Image image = sample::picture(sample::lossless_webp(31, 17, channels, samples), ColorSpace::kSrgb);
     ASSERT_EQ(image.extent, (Extent{31, 17}));
     ASSERT_EQ(image.channels, channels);
     EXPECT_TRUE(std::ranges::equal(image.samples<std::uint8_t>(), samples));
@@ -25,7 +24,7 @@ TEST(WebpDecode, ReadsLosslessPixelsExactly) {
 
 TEST(WebpDecode, ChecksLimitsFirst) {
   const Blob file(sample::lossless_webp(20, 10, 3, std::vector<std::uint8_t>(600)));
-  EXPECT_EQ(sample::error_of([&] { decode_texture(file, ColorSpace::kSrgb, {.max_side_px = 19}); }).code,
+  EXPECT_EQ(sample::error_of([&] { decode_texture(file, ColorSpace::kSrgb, {.max_area_px = 199}); }).code,
             ErrorCode::kTooLarge);
 }
 
@@ -50,7 +49,7 @@ TEST(WebpEncode, LosslessIsExact) {
   for (const int channels : {3, 4}) {
     const Image image = rendered_like(channels);
     const std::string file = encode_webp(image, {.lossless = true}, {});
-    const Image back = decode_texture(Blob(file), ColorSpace::kSrgb, DecodeLimits{});
+    const Image back = sample::picture(file, ColorSpace::kSrgb);
     ASSERT_EQ(back.channels, channels);
     EXPECT_EQ(back.pixels, image.pixels);
     EXPECT_EQ(encode_webp(image, {.lossless = true}, {}), file);
@@ -60,7 +59,7 @@ TEST(WebpEncode, LosslessIsExact) {
 TEST(WebpEncode, QualityIsSizeAndAlphaStaysExact) {
   const Image image = rendered_like(4);
   const auto squared_error = [&](const std::string& file) {
-    const Image back = decode_texture(Blob(file), ColorSpace::kSrgb, DecodeLimits{});
+    const Image back = sample::picture(file, ColorSpace::kSrgb);
     double sum = 0;
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {
       const double difference =

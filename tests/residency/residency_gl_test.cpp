@@ -10,8 +10,8 @@ namespace {
 PreparedTexture texture(const char* name, int side) {
   PreparedTexture texture;
   texture.key = HashBuilder().add(name).finish();
-  texture.pixels =
-      std::make_shared<const Image>(make_image({side, side}, 4, SampleType::kUint8, ColorSpace::kNonColor));
+  texture.levels = std::make_shared<const std::vector<Image>>(
+      1, make_image({side, side}, 4, SampleType::kUint8, ColorSpace::kNonColor));
   return texture;
 }
 
@@ -36,7 +36,7 @@ TEST_F(ResidencyGlTest, ATextureThatIsNeitherResidentNorDecodedIsNull) {
   Residency residency(context_, 1 << 20, keys_);
   residency.begin_frame();
   PreparedTexture missing = texture("missing", 4);
-  missing.pixels = nullptr;
+  missing.levels = nullptr;
   EXPECT_EQ(residency.texture(missing), nullptr);
 }
 

@@ -107,6 +107,31 @@ TEST(GltfMaterial, TexturesThatCannotBeUsedBecomeNotes) {
   EXPECT_EQ(scene.notes.size(), 4u);
 }
 
+// An extension's source goes before the plain one, if it can be read.
+TEST(GltfMaterial, TexturesHaveSourcesOfExtensions) {
+  for (const char* name : {"EXT_texture_webp", "EXT_texture_avif"}) {
+    GltfBuilder builder = clean_builder();
+    const int texture = add_texture(builder, "plain.png");
+    const int other = builder.add("images", {{"uri", "other.img"}});
+    builder.json["textures"][std::size_t(texture)]["extensions"][name]["source"] = other;
+    primitive_of(builder)["material"] = builder.add("materials", {{"emissiveTexture", {{"index", texture}}}});
+    builder.json["extensionsRequired"] = builder.json["extensionsUsed"] = {name};
+    ModelBundle bundle = builder.bundle();
+    bundle.siblings["plain.png"] = Blob(kPngStart);
+    const auto pointer_of_image = [&](const std::string& bytes) {
+      bundle.siblings["other.img"] = Blob(bytes);
+      const Scene scene = import_gltf(bundle, {}, {}, Deadline());
+      EXPECT_EQ(find_note(scene, "image-unreadable") != nullptr, bytes == "?") << name;
+      return scene.images.at(std::size_t(scene.materials[0].texture(TextureUse::kEmissive)->image)).pointer;
+    };
+    EXPECT_EQ(pointer_of_image(kPngStart + "other"), "/images/1") << name;
+    EXPECT_EQ(pointer_of_image("?"), "/images/0") << name;
+
+    builder.json["textures"][std::size_t(texture)]["extensions"][name]["source"] = 7;
+    EXPECT_EQ(pointer_of_error(builder), "/textures/0/extensions/" + std::string(name) + "/source");
+  }
+}
+
 TEST(GltfMaterial, NormalMapsGetTangentsAndMissingUvSetsZeros) {
   GltfBuilder builder = clean_builder();
   primitive_of(builder)["material"] = builder.add(
