@@ -11,6 +11,9 @@
 
 namespace furnace {
 
+// Textures are scaled down from here; what is longer is a mistake or worse.
+inline constexpr int kMostSidePx = 65536;
+
 enum class Shape { kAny, kEquirect };
 
 // Fails with kTooLarge, naming the limit that was broken; kUnprocessable for an equirect that is not 2:1.
@@ -25,6 +28,12 @@ Image decode_png(std::span<const std::byte> file, ColorSpace color_space, const 
 Image decode_jpeg(std::span<const std::byte> file, ColorSpace color_space, const DecodeLimits& limits);
 Image decode_avif(std::span<const std::byte> file, ColorSpace color_space, const DecodeLimits& limits);
 Image decode_webp(std::span<const std::byte> file, ColorSpace color_space, const DecodeLimits& limits);
+
+// All levels from the first that is within the side's limit on, or the last alone where none is; RGBA. Threads: any.
+DecodedTexture decode_ktx2(std::span<const std::byte> file, ColorSpace color_space,
+                           const DecodeLimits& limits);
+// Errors: kUnsupportedMedia for what decode_ktx2 does not read, by the header alone; others as there.
+void check_ktx2_readable(std::span<const std::byte> file);
 
 // RGB, kFloat32, exactly as stored: NaN, infinities and negative values included. Threads: any.
 Image decode_rgbe(std::span<const std::byte> file, const DecodeLimits& limits,

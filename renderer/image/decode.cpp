@@ -2,6 +2,7 @@
 
 #include "renderer/image/codecs.hpp"
 #include "renderer/image/downscale.hpp"
+#include "renderer/image/ktx2_container.hpp"
 #include "renderer/base/error.hpp"
 
 #include <fmt/format.h>
@@ -92,9 +93,6 @@ bool is_avif(std::string_view text) {
   return false;
 }
 
-// Scaling down begins here; what is longer is a mistake or worse.
-constexpr int kMostSidePx = 65536;
-
 Image decode_picture(const Blob& encoded, ColorSpace color_space, const DecodeLimits& limits) {
   const ImageFormat format = sniff_image_format(encoded.bytes());
   switch (format) {
@@ -121,6 +119,7 @@ ImageFormat sniff_image_format(std::span<const std::byte> bytes) {
   if (text.starts_with("\xff\xd8\xff")) return ImageFormat::kJpeg;
   if (text.starts_with("RIFF") && text.size() >= 12 && text.substr(8, 4) == "WEBP") return ImageFormat::kWebp;
   if (is_avif(text)) return ImageFormat::kAvif;
+  if (text.starts_with("\xabKTX 20\xbb\r\n\x1a\n")) return ImageFormat::kKtx2;
   if (text.starts_with("\x76\x2f\x31\x01")) return ImageFormat::kExr;
   if (text.starts_with("#?")) return ImageFormat::kHdr;
   return ImageFormat::kUnknown;
@@ -136,6 +135,8 @@ std::string_view image_format_name(ImageFormat format) {
       return "WebP";
     case ImageFormat::kAvif:
       return "AVIF";
+    case ImageFormat::kKtx2:
+      return "KTX2";
     case ImageFormat::kExr:
       return "OpenEXR";
     case ImageFormat::kHdr:
@@ -152,6 +153,7 @@ bool is_texture_format(ImageFormat format) {
     case ImageFormat::kJpeg:
     case ImageFormat::kWebp:
     case ImageFormat::kAvif:
+    case ImageFormat::kKtx2:
       return true;
     default:
       return false;
@@ -182,15 +184,36 @@ void fail_damaged(std::string_view format, std::string_view what) {
 }
 
 DecodedTexture decode_texture(const Blob& encoded, ColorSpace color_space, const DecodeLimits& limits) {
+  const DecodeLimits loose{kMostSidePx, limits.max_area_px};
   DecodedTexture texture;
-  texture.levels.push_back(decode_picture(encoded, color_space, {kMostSidePx, limits.max_area_px}));
-  const Extent whole = texture.levels[0].extent, extent = fitted(whole, limits.max_side_px);
+  Extent whole;
+  if (sniff_image_format(encoded.bytes()) == ImageFormat::kKtx2) {
+    texture = decode_ktx2(encoded.bytes(), color_space, limits);
+    whole = open_ktx2(encoded.bytes(), limits).levels.front().extent;
+  } else {
+    texture.levels.push_back(decode_picture(encoded, color_space, loose));
+    whole = texture.levels[0].extent;
+  }
+  Image& largest = texture.levels[0];
+  const Extent extent = fitted(largest.extent, limits.max_side_px);
+  if (extent != largest.extent) largest = downscaled(largest, extent);
   if (extent == whole) return texture;
-  texture.levels[0] = downscaled(texture.levels[0], extent);
   texture.remarks.push_back(
       {"texture-downscaled", fmt::format("has {} x {} pixels and was scaled down to {} x {}", whole.width,
                                          whole.height, extent.width, extent.height)});
   return texture;
+}
+
+std::optional<std::string> texture_refusal(std::span<const std::byte> bytes) {
+  const ImageFormat format = sniff_image_format(bytes);
+  if (!is_texture_format(format)) return fmt::format("is not {}", kTextureFormats);
+  if (format != ImageFormat::kKtx2) return std::nullopt;
+  try {
+    check_ktx2_readable(bytes);
+  } catch (const Error& error) {
+    if (error.code == ErrorCode::kUnsupportedMedia) return "cannot be read: " + error.message;
+  }
+  return std::nullopt;
 }
 
 RepairReport repair_radiance(Image& image) {

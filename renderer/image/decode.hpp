@@ -5,6 +5,7 @@
 #include "renderer/base/blob.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,13 +17,13 @@ struct DecodeLimits {
   std::int64_t max_area_px = 50'000'000;
 };
 
-enum class ImageFormat { kUnknown, kPng, kJpeg, kWebp, kAvif, kExr, kHdr };
+enum class ImageFormat { kUnknown, kPng, kJpeg, kWebp, kAvif, kKtx2, kExr, kHdr };
 
 // By magic number, never by name.
 ImageFormat sniff_image_format(std::span<const std::byte> bytes);
 std::string_view image_format_name(ImageFormat format);  // "PNG", ...
 bool is_texture_format(ImageFormat format);              // what decode_texture reads
-inline constexpr std::string_view kTextureFormats = "PNG, JPEG, WebP or AVIF";
+inline constexpr std::string_view kTextureFormats = "PNG, JPEG, WebP, AVIF or KTX2";
 
 // Something of a texture that was not taken as it is stored.
 struct TextureRemark {
@@ -41,6 +42,10 @@ struct DecodedTexture {
 // but with a longer side than the limits have is scaled down. Errors: kUnsupportedMedia (not such a file), kTooLarge
 // (limits), kUnprocessable (damaged). Threads: any.
 DecodedTexture decode_texture(const Blob& encoded, ColorSpace color_space, const DecodeLimits& limits);
+
+// Why a file is no texture, as far as its beginning tells: none for one that decode_texture reads or finds damaged.
+// Goes on after "the image". Threads: any.
+std::optional<std::string> texture_refusal(std::span<const std::byte> bytes);
 
 // What was mended in an HDRI before use; all zero for a clean file.
 struct RepairReport {

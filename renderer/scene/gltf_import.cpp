@@ -19,7 +19,7 @@ namespace furnace {
 
 namespace {
 
-constexpr std::array<std::string_view, 22> kSupportedExtensions{
+constexpr std::array<std::string_view, 23> kSupportedExtensions{
     "EXT_meshopt_compression",              // gltf_read_compression.cpp
     "EXT_texture_avif",                     // gltf_read_material.cpp
     "EXT_texture_webp",                     // gltf_read_material.cpp
@@ -41,6 +41,7 @@ constexpr std::array<std::string_view, 22> kSupportedExtensions{
     "KHR_materials_volume",                 // gltf_read_layers.cpp
     "KHR_mesh_quantization",                // gltf_primitive.cpp
     "KHR_meshopt_compression",              // gltf_read_compression.cpp
+    "KHR_texture_basisu",                   // gltf_read_material.cpp
     "KHR_texture_transform",                // gltf_read_material.cpp
 };
 

@@ -71,10 +71,9 @@ std::optional<Blob> GltfMaterials::find_image(int index) {
     }
     encoded = sibling->second;
   }
-  if (!is_texture_format(sniff_image_format(encoded.bytes()))) {
-    notes_.add(
-        "image-unreadable", pointer,
-        "is not " + std::string(kTextureFormats) + "; it was left out, another source may stand in for it");
+  if (const std::optional<std::string> refusal = texture_refusal(encoded.bytes())) {
+    notes_.add("image-unreadable", pointer,
+               *refusal + "; it was left out, another source may stand in for it");
     return std::nullopt;
   }
   return encoded;

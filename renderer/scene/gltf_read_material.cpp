@@ -18,7 +18,8 @@ constexpr std::uint64_t kNearest = 9728, kLinear = 9729, kNearestMipmapNearest =
                         kClampToEdge = 33071, kMirroredRepeat = 33648, kRepeat = 10497;
 
 // The best picture first.
-constexpr std::array<std::string_view, 2> kSourceExtensions{"EXT_texture_avif", "EXT_texture_webp"};
+constexpr std::array<std::string_view, 3> kSourceExtensions{"KHR_texture_basisu", "EXT_texture_avif",
+                                                            "EXT_texture_webp"};
 
 Wrap read_wrap(const JsonObject& json, std::string_view key) {
   switch (json.integer(key, kRepeat)) {
