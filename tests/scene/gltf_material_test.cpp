@@ -109,7 +109,7 @@ TEST(GltfMaterial, TexturesThatCannotBeUsedBecomeNotes) {
 
 // An extension's source goes before the plain one, if it can be read.
 TEST(GltfMaterial, TexturesHaveSourcesOfExtensions) {
-  for (const char* name : {"EXT_texture_webp", "EXT_texture_avif"}) {
+  for (const char* name : {"EXT_texture_webp", "EXT_texture_avif", "KHR_texture_basisu"}) {
     GltfBuilder builder = clean_builder();
     const int texture = add_texture(builder, "plain.png");
     const int other = builder.add("images", {{"uri", "other.img"}});
