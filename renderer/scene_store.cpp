@@ -162,11 +162,15 @@ void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, std::v
                               .add(texture.image->encoded.hash())
                               .add(std::int64_t(texture.color_space))
                               .finish();
-    if (resident_->contains(out.textures[i].key)) return;
+    if (resident_->contains(out.textures[i].key)) {
+      texture_notes[i] = texture_notes_.recall(out.textures[i].key, texture.image->pointer);
+      return;
+    }
     PreparedPixels prepared =
         prepare_texture(texture.image->encoded, texture.color_space, texture.image->pointer, config_.texture);
     out.textures[i].levels = std::make_shared<const std::vector<Image>>(std::move(prepared.levels));
     out.textures[i].lowest_green = prepared.lowest_green;
+    texture_notes_.remember(out.textures[i].key, prepared.notes);
     texture_notes[i] = std::move(prepared.notes);
   });
   for (auto& more : texture_notes) std::move(more.begin(), more.end(), std::back_inserter(notes));

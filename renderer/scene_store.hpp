@@ -9,6 +9,7 @@
 #include "renderer/environment_store.hpp"
 #include "renderer/renderer.hpp"
 #include "renderer/residency/residency.hpp"
+#include "renderer/texture_notes.hpp"
 
 namespace furnace {
 
@@ -45,6 +46,7 @@ class SceneStore {
   BudgetCache<Scene> imports_;
   BudgetCache<ComposedScene> compositions_;
   EnvironmentStore environments_;
+  TextureNotes texture_notes_;
 };
 
 }  // namespace furnace

@@ -30,7 +30,7 @@ struct BuiltinName {
 struct KeepTexture {};
 struct NoTexture {};
 struct TextureFile {
-  Blob encoded;  // PNG, JPEG or WebP
+  Blob encoded;  // what decode_texture reads
   int uv_set = 0;
   SamplerDesc sampler;
   UvTransform transform;

@@ -41,6 +41,16 @@ TEST(JpegDecode, ConvertsCmyk) {
   expect_flat(sample::flat_jpeg(8, 8, {245, 165, 55, 215}, JpegKind::kAdobeCmyk), {8, 8}, rgb);
 }
 
+// glTF 2.0, section 3.8.4: an orientation that the file tells (here a quarter turn) is not applied.
+TEST(JpegDecode, IgnoresOrientation) {
+  const std::string file = sample::flat_jpeg(17, 9, {200, 100, 30}, JpegKind::kRgb);
+  const std::string exif(
+      "\xff\xe1\x00\x22"
+      "Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0",
+      36);
+  expect_flat(file.substr(0, 2) + exif + file.substr(2), {17, 9}, {200, 100, 30});
+}
+
 TEST(JpegDecode, ChecksLimitsFirst) {
   const Blob file(sample::flat_jpeg(20, 10, {90}, JpegKind::kGrey));
   const auto code = [&](const DecodeLimits& limits) {
