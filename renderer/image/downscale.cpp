@@ -28,71 +28,98 @@ Cover cover_of(int target, int targets, int sources) {
   return cover;
 }
 
+// Samples of type T <-> light in [0, 1], or data as they are.
+template <class T>
+class Codes {
+ public:
+  explicit Codes(bool srgb) : values_(std::size_t(kMost) + 1), nearest_(kBins + 1) {
+    for (std::size_t i = 0; i < values_.size(); ++i)
+      values_[i] = float(srgb ? linear_from_srgb(double(i) / kMost) : double(i) / kMost);
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      const double half = std::min((double(i) + 0.5) / kMost, 1.0);
+      borders_.push_back(float(srgb ? linear_from_srgb(half) : half));
+    }
+    for (std::size_t bin = 0, code = 0; bin < nearest_.size(); ++bin) {
+      while (code < std::size_t(kMost) && borders_[code] <= float(bin) / kBins) ++code;
+      nearest_[bin] = T(code);
+    }
+  }
+
+  float value(T code) const { return values_[code]; }
+  // The code whose value, before it was rounded, is the closest.
+  T code(float value) const {
+    value = std::clamp(value, 0.0f, 1.0f);
+    T code = nearest_[std::size_t(value * kBins)];
+    while (code < T(kMost) && borders_[code] <= value) ++code;
+    return code;
+  }
+
+ private:
+  static constexpr double kMost = std::numeric_limits<T>::max();
+  static constexpr float kBins = 4096;
+
+  std::vector<float> values_, borders_;  // by code; a border is half way to the next code
+  std::vector<T> nearest_;               // the lowest code of each bin of values
+};
+
 template <class T>
 class Downscaler {
  public:
-  Downscaler(const Image& source, Image& target) : source_(source), target_(target) {
-    constexpr double kMost = std::numeric_limits<T>::max();
-    const bool srgb = source.color_space == ColorSpace::kSrgb;
-    linear_.resize(std::size_t(kMost) + 1);
-    for (std::size_t i = 0; i < linear_.size(); ++i)
-      linear_[i] = float(srgb ? linear_from_srgb(double(i) / kMost) : double(i) / kMost);
-    // The last of two or four channels is alpha.
-    alpha_ = source.channels % 2 == 0 ? source.channels - 1 : source.channels;
+  Downscaler(const Image& source, Image& target)
+      : source_(source),
+        target_(target),
+        color_(source.color_space == ColorSpace::kSrgb),
+        data_(false),
+        line_(std::size_t(source.extent.width) * std::size_t(source.channels)),
+        narrowed_(std::size_t(target.extent.width) * std::size_t(source.channels)) {
     for (int x = 0; x < target.extent.width; ++x)
       columns_.push_back(cover_of(x, target.extent.width, source.extent.width));
   }
 
   void run() {
-    const std::size_t width = std::size_t(target_.extent.width) * std::size_t(source_.channels);
-    std::vector<float> row(width), sum(width);
+    std::vector<float> sum(narrowed_.size());
     for (int y = 0; y < target_.extent.height; ++y) {
       const Cover rows = cover_of(y, target_.extent.height, source_.extent.height);
       std::fill(sum.begin(), sum.end(), 0.0f);
       for (std::size_t i = 0; i < rows.weights.size(); ++i) {
-        narrow(rows.first + int(i), row);
-        for (std::size_t x = 0; x < width; ++x) sum[x] += rows.weights[i] * row[x];
+        narrow(rows.first + int(i));
+        for (std::size_t x = 0; x < sum.size(); ++x) sum[x] += rows.weights[i] * narrowed_[x];
       }
-      store(y, sum);
+      const auto out = target_.samples<T>().subspan(std::size_t(y) * sum.size(), sum.size());
+      for (std::size_t i = 0; i < sum.size(); ++i) out[i] = codes_of(i).code(sum[i]);
     }
   }
 
  private:
-  float light(T sample, int channel) const {
-    return channel == alpha_ ? float(sample) / float(std::numeric_limits<T>::max()) : linear_[sample];
-  }
-
-  void narrow(int y, std::vector<float>& out) const {
+  // The last of two or four channels is alpha.
+  const Codes<T>& codes_of(std::size_t sample) const {
     const auto channels = std::size_t(source_.channels);
-    const auto samples =
-        source_.samples<T>().subspan(std::size_t(y) * std::size_t(source_.extent.width) * channels);
-    for (std::size_t x = 0; x < columns_.size(); ++x) {
-      const Cover& cover = columns_[x];
-      for (std::size_t c = 0; c < channels; ++c) {
-        float mean = 0;
-        for (std::size_t i = 0; i < cover.weights.size(); ++i)
-          mean += cover.weights[i] * light(samples[(std::size_t(cover.first) + i) * channels + c], int(c));
-        out[x * channels + c] = mean;
-      }
-    }
+    return channels % 2 == 0 && sample % channels == channels - 1 ? data_ : color_;
   }
 
-  void store(int y, const std::vector<float>& row) {
-    constexpr double kMost = std::numeric_limits<T>::max();
-    const auto out = target_.samples<T>().subspan(std::size_t(y) * row.size(), row.size());
-    const bool srgb = source_.color_space == ColorSpace::kSrgb;
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      const double value = std::clamp(double(row[i]), 0.0, 1.0);
-      const bool is_light = srgb && int(i % std::size_t(source_.channels)) != alpha_;
-      out[i] = T(std::lround((is_light ? srgb_from_linear(value) : value) * kMost));
+  // Two target rows may share a source row.
+  void narrow(int y) {
+    if (y == narrowed_row_) return;
+    narrowed_row_ = y;
+    const auto channels = std::size_t(source_.channels);
+    const auto samples = source_.samples<T>().subspan(std::size_t(y) * line_.size(), line_.size());
+    for (std::size_t i = 0; i < line_.size(); ++i) line_[i] = codes_of(i).value(samples[i]);
+    float* out = narrowed_.data();
+    for (const Cover& cover : columns_) {
+      const float* from = line_.data() + std::size_t(cover.first) * channels;
+      for (std::size_t c = 0; c < channels; ++c, ++from, ++out) {
+        *out = 0;
+        for (std::size_t i = 0; i < cover.weights.size(); ++i) *out += cover.weights[i] * from[i * channels];
+      }
     }
   }
 
   const Image& source_;
   Image& target_;
-  std::vector<float> linear_;  // by code
+  const Codes<T> color_, data_;
   std::vector<Cover> columns_;
-  int alpha_ = 0;
+  std::vector<float> line_, narrowed_;
+  int narrowed_row_ = -1;
 };
 
 }  // namespace
