@@ -93,17 +93,17 @@ bool is_avif(std::string_view text) {
   return false;
 }
 
-Image decode_picture(const Blob& encoded, ColorSpace color_space, const DecodeLimits& limits) {
-  const ImageFormat format = sniff_image_format(encoded.bytes());
+Image decode_picture(std::span<const std::byte> file, ColorSpace color_space, const DecodeLimits& limits) {
+  const ImageFormat format = sniff_image_format(file);
   switch (format) {
     case ImageFormat::kPng:
-      return decode_png(encoded.bytes(), color_space, limits);
+      return decode_png(file, color_space, limits);
     case ImageFormat::kJpeg:
-      return decode_jpeg(encoded.bytes(), color_space, limits);
+      return decode_jpeg(file, color_space, limits);
     case ImageFormat::kWebp:
-      return decode_webp(encoded.bytes(), color_space, limits);
+      return decode_webp(file, color_space, limits);
     case ImageFormat::kAvif:
-      return decode_avif(encoded.bytes(), color_space, limits);
+      return decode_avif(file, color_space, limits);
     default:
       break;
   }
@@ -183,15 +183,16 @@ void fail_damaged(std::string_view format, std::string_view what) {
   fail(ErrorCode::kUnprocessable, fmt::format("the {} is damaged: {}", format, what));
 }
 
-DecodedTexture decode_texture(const Blob& encoded, ColorSpace color_space, const DecodeLimits& limits) {
+DecodedTexture decode_texture(std::span<const std::byte> file, ColorSpace color_space,
+                              const DecodeLimits& limits) {
   const DecodeLimits loose{kMostSidePx, limits.max_area_px};
   DecodedTexture texture;
   Extent whole;
-  if (sniff_image_format(encoded.bytes()) == ImageFormat::kKtx2) {
-    texture = decode_ktx2(encoded.bytes(), color_space, limits);
-    whole = open_ktx2(encoded.bytes(), limits).levels.front().extent;
+  if (sniff_image_format(file) == ImageFormat::kKtx2) {
+    texture = decode_ktx2(file, color_space, limits);
+    whole = open_ktx2(file, limits).levels.front().extent;
   } else {
-    texture.levels.push_back(decode_picture(encoded, color_space, loose));
+    texture.levels.push_back(decode_picture(file, color_space, loose));
     whole = texture.levels[0].extent;
   }
   Image& largest = texture.levels[0];
@@ -245,15 +246,15 @@ RepairReport repair_radiance(Image& image) {
   return report;
 }
 
-DecodedEnvironment decode_environment(const Blob& encoded, const DecodeLimits& limits) {
+DecodedEnvironment decode_environment(std::span<const std::byte> file, const DecodeLimits& limits) {
   DecodedEnvironment environment;
-  const ImageFormat format = sniff_image_format(encoded.bytes());
+  const ImageFormat format = sniff_image_format(file);
   switch (format) {
     case ImageFormat::kHdr:
-      environment.equirect = decode_rgbe(encoded.bytes(), limits);
+      environment.equirect = decode_rgbe(file, limits);
       break;
     case ImageFormat::kExr:
-      environment.equirect = decode_exr(encoded.bytes(), limits);
+      environment.equirect = decode_exr(file, limits);
       break;
     default:
       fail(ErrorCode::kUnsupportedMedia,

@@ -41,7 +41,8 @@ struct DecodedTexture {
 // and EXIF orientation ignored as glTF asks. `color_space` is what the texture slot says. A picture within the area
 // but with a longer side than the limits have is scaled down. Errors: kUnsupportedMedia (not such a file), kTooLarge
 // (limits), kUnprocessable (damaged). Threads: any.
-DecodedTexture decode_texture(const Blob& encoded, ColorSpace color_space, const DecodeLimits& limits);
+DecodedTexture decode_texture(std::span<const std::byte> file, ColorSpace color_space,
+                              const DecodeLimits& limits);
 
 // Why a file is no texture, as far as its beginning tells: none for one that decode_texture reads or finds damaged.
 // Goes on after "the image". Threads: any.
@@ -65,6 +66,6 @@ struct DecodedEnvironment {
 // filled into display window) equirects. NaN -> mean of valid neighbours (0 without any), +inf -> largest
 // finite value of that channel, negative and -inf -> 0; counted in `repairs`. Errors as decode_texture;
 // kUnprocessable for an aspect ratio other than 2:1, saying what to do.
-DecodedEnvironment decode_environment(const Blob& encoded, const DecodeLimits& limits);
+DecodedEnvironment decode_environment(std::span<const std::byte> file, const DecodeLimits& limits);
 
 }  // namespace furnace
