@@ -23,7 +23,7 @@ struct Ktx2Parts {
 };
 
 inline void put(std::string& out, std::uint64_t value, int bytes) {
-  for (int i = 0; i < bytes; ++i) out.push_back(char(value >> (8 * i)));
+  for (int i = 0; i < bytes; ++i, value >>= 8) out.push_back(char(value));
 }
 
 inline std::string ktx2(const Ktx2Parts& parts) {
