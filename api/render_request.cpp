@@ -65,11 +65,31 @@ class Reader {
     if (!scene["model"] && !nodes) spec.nodes.push_back(default_node(kDefaultMesh));
     read(scene["gltfScene"], spec.gltf_scene);
     read(scene["variant"], spec.variant);
+    read_animations(scene, spec);
     if (scene["model"] && !scene["model"].text().starts_with(kBuiltin)) return;
-    for (const std::string_view key : {"gltfScene", "variant"})
+    for (const std::string_view key : {"gltfScene", "variant", "animation", "animations"})
       if (scene[key])
         faults_.add(ErrorCode::kUnprocessable, scene[key],
                     "needs a glTF file as \"model\"; leave it out or name one");
+  }
+
+  void read_animations(const Value& scene, SceneSpec& spec) {
+    const Value one = scene["animation"], several = scene["animations"];
+    if (one) spec.animations.push_back(read_clip(one));
+    if (one && several)
+      faults_.add(ErrorCode::kUnprocessable, several, "stands in place of \"animation\"; leave one out");
+    for (std::size_t i = 0; i < several.size(); ++i) spec.animations.push_back(read_clip(several.at(i)));
+  }
+
+  AnimationClip read_clip(const Value& value) {
+    AnimationClip clip;
+    if (const Value name = value["name"]) clip.which = std::string(name.text());
+    if (const Value index = value["index"]) read(index, clip.which.emplace<int>());
+    if (value["name"] && value["index"])
+      faults_.add(ErrorCode::kUnprocessable, value["index"], "stands in place of \"name\"; leave one out");
+    read(value["timeSeconds"], clip.time.seconds);
+    read(value["loop"], clip.time.loop);
+    return clip;
   }
 
   static NodeSpec default_node(std::string_view mesh) {

@@ -66,8 +66,7 @@ void add_node(const SceneSpec& spec, std::size_t index, MaterialComposer& compos
     instance.node_name = node.name.value_or(fmt::format("/scene/nodes/{}", index));
     out.scene.materials.push_back(part_material(spec, index, part, mesh.name, composer));
     out.scene.instances.push_back(instance);
-    out.mesh_keys.push_back(
-        HashBuilder().add("builtin-mesh").add(node.mesh).add(std::int64_t(part)).finish());
+    mesh.key = HashBuilder().add("builtin-mesh").add(node.mesh).add(std::int64_t(part)).finish();
     out.scene.meshes.push_back(std::move(mesh));
   }
 }
@@ -81,6 +80,28 @@ void check_variant(const std::string& name, const std::vector<std::string>& know
        "/scene/variant");
 }
 
+void check_animations(const SceneSpec& spec, const std::vector<SceneAnimation>& known) {
+  for (std::size_t i = 0; i < spec.animations.size(); ++i) {
+    const auto& which = spec.animations[i].which;
+    const int* index = std::get_if<int>(&which);
+    const auto is_meant = [&](const SceneAnimation& animation) {
+      return !index && animation.name == std::get<std::string>(which);
+    };
+    if (index ? *index < int(known.size()) : std::any_of(known.begin(), known.end(), is_meant)) continue;
+    std::vector<std::string> names;
+    for (const SceneAnimation& animation : known) names.push_back(fmt::format("\"{}\"", animation.name));
+    constexpr std::size_t kMostNamed = 20;
+    if (names.size() > kMostNamed) names.resize(kMostNamed);
+    fail(ErrorCode::kUnprocessable,
+         known.empty() ? "the model has no animations; leave it out"
+                       : fmt::format("the model has no animation {}; it has {}: {}",
+                                     index ? std::to_string(*index)
+                                           : fmt::format("\"{}\"", std::get<std::string>(which)),
+                                     known.size(), fmt::join(names, ", ")),
+         spec.animations.size() == 1 ? "/scene/animation" : fmt::format("/scene/animations/{}", i));
+  }
+}
+
 }  // namespace
 
 ComposedScene compose_scene(const SceneSpec& spec, const Scene* model) {
@@ -88,10 +109,8 @@ ComposedScene compose_scene(const SceneSpec& spec, const Scene* model) {
   MaterialComposer composer(spec, out.scene);
   if (model != nullptr) {
     if (spec.variant) check_variant(*spec.variant, model->variants);
+    check_animations(spec, model->animations);
     out.scene = *model;
-    for (std::size_t i = 0; i < model->meshes.size(); ++i) {
-      out.mesh_keys.push_back(HashBuilder().add("gltf-mesh").add(model->hash).add(std::int64_t(i)).finish());
-    }
     if (!spec.model_lights) out.scene.lights.clear();
     for (Material& material : out.scene.materials) {
       material.model = spec.shading_model;

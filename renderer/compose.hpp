@@ -10,10 +10,9 @@ namespace furnace {
 
 struct ComposedScene {
   Scene scene;
-  Bounds bounds;                       // world_bounds(scene)
-  std::vector<ContentHash> mesh_keys;  // of scene.meshes; equal for the same mesh in another composition
+  Bounds bounds;  // world_bounds(scene)
 
-  std::size_t byte_size() const { return scene.byte_size() + mesh_keys.size() * sizeof(ContentHash); }
+  std::size_t byte_size() const { return scene.byte_size(); }
 };
 
 // `model` is the imported spec.model, or null. Pure. Errors: kUnprocessable with pointers under "/scene".

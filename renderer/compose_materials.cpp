@@ -129,7 +129,7 @@ void complete_meshes(ComposedScene& out) {
     const Material& material = out.scene.materials[std::size_t(instance.material)];
     Mesh& mesh = out.scene.meshes[std::size_t(instance.mesh)];
     HashBuilder key;
-    key.add("completed-mesh").add(out.mesh_keys[std::size_t(instance.mesh)]);
+    key.add("completed-mesh").add(mesh.key);
     const std::vector<int> filled = fill_uv_sets(mesh, material);
     for (const int uv_set : filled) {
       key.add(std::int64_t(uv_set));
@@ -142,7 +142,7 @@ void complete_meshes(ComposedScene& out) {
       note(out, instance, "tangents-generated",
            "has no TANGENT, which is needed; MikkTSpace tangents were made");
     }
-    if (tangents || !filled.empty()) out.mesh_keys[std::size_t(instance.mesh)] = key.finish();
+    if (tangents || !filled.empty()) mesh.key = key.finish();
   }
 }
 

@@ -97,9 +97,12 @@ std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, 
         HashBuilder key;
         key.add(spec.model->hash).add(std::int64_t(spec.gltf_scene));
         if (spec.variant) key.add(*spec.variant);
+        RenderSpec animated;
+        animated.scene.animations = spec.animations;
+        key.add(spec_hash(animated));
         const auto model = imports_.get_or_load(key.finish(), deadline, [&] {
           return with_context("/scene/model", [&] {
-            return import_gltf(*spec.model, ImportOptions{spec.gltf_scene, spec.variant}, config_.import,
+            return import_gltf(*spec.model, ImportOptions{spec.gltf_scene, spec.variant, spec.animations}, config_.import,
                                deadline);
           });
         });
@@ -116,7 +119,7 @@ void SceneStore::prepare_meshes(Preparation& out) {
   constexpr double kPackCostUs = 1'000;
   pool_.parallel_for(meshes.size(), kPackCostUs, [&](std::size_t i) {
     PreparedMesh& prepared = out.scene.meshes[i];
-    prepared.key = out.composed->mesh_keys[i];
+    prepared.key = meshes[i].key;
     // Shares the composition's life: the mesh is not copied.
     prepared.mesh = std::shared_ptr<const Mesh>(out.composed, &meshes[i]);
     if (!resident_->contains(prepared.key))

@@ -146,7 +146,7 @@ TEST(Compose, MeshesGetWhatAnOverrideNeedsUnderAnotherKey) {
   const ComposedScene composed = compose_scene(brushed, &scene);
   EXPECT_THAT(composed.scene.meshes[0].tangents, SizeIs(3));
   EXPECT_THAT(composed.scene.meshes[0].uvs[0], Each(glm::vec2(0)));
-  EXPECT_NE(composed.mesh_keys, plain.mesh_keys);
+  EXPECT_NE(composed.scene.meshes[0].key, plain.scene.meshes[0].key);
   ASSERT_NE(find_note(composed, "tangents-generated"), nullptr);
   EXPECT_EQ(find_note(composed, "tangents-generated")->pointer, "/scene/materials/skin");
   EXPECT_NE(find_note(composed, "uv-set-missing"), nullptr);
@@ -158,8 +158,8 @@ TEST(Compose, MeshesGetWhatAnOverrideNeedsUnderAnotherKey) {
   const ComposedScene other = compose_scene(second_set, &scene);
   EXPECT_THAT(other.scene.meshes[0].tangents, IsEmpty());
   EXPECT_THAT(other.scene.meshes[0].uvs[1], SizeIs(3));
-  EXPECT_NE(other.mesh_keys, plain.mesh_keys);
-  EXPECT_NE(other.mesh_keys, composed.mesh_keys);
+  EXPECT_NE(other.scene.meshes[0].key, plain.scene.meshes[0].key);
+  EXPECT_NE(other.scene.meshes[0].key, composed.scene.meshes[0].key);
 }
 
 TEST(Compose, BuiltInMeshesHaveWhatTexturesNeed) {

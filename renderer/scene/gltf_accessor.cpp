@@ -217,6 +217,14 @@ void GltfData::read_floats(int accessor_index, std::span<const std::byte> decode
   read_elements(accessor_index, decoded, target, target_components);
 }
 
+std::vector<float> GltfData::read_numbers(int accessor_index) const {
+  check_zeros(accessor_index, {});
+  const auto components = static_cast<std::size_t>(component_count(accessor(accessor_index).type));
+  std::vector<float> result(static_cast<std::size_t>(accessor(accessor_index).count) * components);
+  read_floats(accessor_index, {}, result.data(), components);
+  return result;
+}
+
 std::vector<glm::mat4> GltfData::read_matrices(int accessor_index) const {
   check_zeros(accessor_index, {});
   std::vector<glm::mat4> result(static_cast<std::size_t>(accessor(accessor_index).count));

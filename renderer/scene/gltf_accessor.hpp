@@ -39,6 +39,8 @@ class GltfData {
     read_floats(accessor_index, decoded, reinterpret_cast<float*>(result.data()), sizeof(V) / sizeof(float));
     return result;
   }
+  // All components, one element after the other.
+  std::vector<float> read_numbers(int accessor_index) const;
   std::vector<glm::mat4> read_matrices(int accessor_index) const;
   std::vector<glm::uvec4> read_joints(int accessor_index, std::span<const std::byte> decoded = {}) const;
   std::vector<std::uint32_t> read_indices(int accessor_index) const;

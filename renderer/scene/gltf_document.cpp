@@ -164,14 +164,21 @@ std::uint64_t span_bytes(std::uint64_t count, std::uint64_t stride, ElementType 
   return stride * (count - 1) + element_bytes(type, component) - padding;
 }
 
-GltfDocument read_gltf_document(const Blob& bytes, const ImportLimits& limits) {
+GltfJson parse_gltf(const Blob& bytes, const ImportLimits& limits) {
   const GltfContainer container = open_gltf_container(bytes);
   if (container.json.size > static_cast<std::size_t>(limits.max_json_bytes)) {
     fail(ErrorCode::kTooLarge,
          "the JSON exceeds the limit of " + std::to_string(limits.max_json_bytes) + " bytes");
   }
-  const Json json = parse_json(bytes.text().substr(container.json.offset, container.json.size));
-  const JsonObject root(json, "");
+  return {parse_json(bytes.text().substr(container.json.offset, container.json.size)), container.binary};
+}
+
+GltfDocument read_gltf_document(const Blob& bytes, const ImportLimits& limits) {
+  return read_gltf_document(parse_gltf(bytes, limits), limits);
+}
+
+GltfDocument read_gltf_document(const GltfJson& json, const ImportLimits& limits) {
+  const JsonObject root(json.root, "");
   check_version(root);
   check_required_extensions(root);
   const GltfCounts counts = count_objects(root);
@@ -180,7 +187,7 @@ GltfDocument read_gltf_document(const Blob& bytes, const ImportLimits& limits) {
   }
 
   GltfDocument document;
-  document.binary = container.binary;
+  document.binary = json.binary;
   document.extensions_used = root.strings("extensionsUsed");
   document.quantized = contains(document.extensions_used, "KHR_mesh_quantization");
   document.buffers = read_all<GltfBuffer>(root, "buffers", read_buffer);
@@ -215,6 +222,8 @@ GltfDocument read_gltf_document(const Blob& bytes, const ImportLimits& limits) {
   link_nodes(document.nodes, limits);
   document.scenes = read_all<GltfScene>(
       root, "scenes", [&](const JsonObject& object) { return read_scene(object, document.nodes); });
+  document.animations = read_all<GltfAnimation>(
+      root, "animations", [&](const JsonObject& object) { return read_animation(object, counts); });
   check_implied_elements(document);
   document.default_scene = root.reference("scene", "scene", counts.scenes);
   return document;

@@ -1,5 +1,5 @@
 // A glTF 2.0 document as typed values: types, references, ranges of accessors and the node hierarchy are
-// sound once it is read. What no picture needs (animations, extras, unknown extensions) is not here.
+// sound once it is read. What no picture needs (extras, unknown extensions) is not here.
 #pragma once
 
 #include <array>
@@ -140,6 +140,26 @@ struct GltfSkin {
   std::optional<int> inverse_bind_matrices;
 };
 
+enum class GltfInterpolation : std::uint8_t { kStep, kLinear, kCubicSpline };
+
+struct GltfAnimationSampler {
+  int input = 0;   // accessor of times, s
+  int output = 0;  // accessor of values
+  GltfInterpolation interpolation = GltfInterpolation::kLinear;
+};
+
+struct GltfAnimationChannel {
+  int sampler = 0;
+  std::string target;   // JSON pointer to the property that it moves; empty: none that is known
+  std::string pointer;  // of the channel's target
+};
+
+struct GltfAnimation {
+  std::string name;
+  std::vector<GltfAnimationSampler> samplers;
+  std::vector<GltfAnimationChannel> channels;
+};
+
 struct GltfNode {
   std::string name;
   std::vector<int> children;
@@ -150,6 +170,8 @@ struct GltfNode {
   glm::dvec3 translation{0};
   glm::dquat rotation{1, 0, 0, 0};
   glm::dvec3 scale{1};
+  bool visible = true;           // KHR_node_visibility
+  GltfAttributes instances;      // EXT_mesh_gpu_instancing: TRANSLATION, ROTATION, SCALE -> accessor
 };
 
 struct GltfScene {
@@ -173,6 +195,7 @@ struct GltfDocument {
   std::vector<std::optional<Light>> lights;
   std::vector<GltfNode> nodes;
   std::vector<GltfScene> scenes;
+  std::vector<GltfAnimation> animations;
   std::optional<int> default_scene;
   std::optional<ByteRange> binary;  // the GLB's BIN chunk, in the document's bytes
 };

@@ -1,7 +1,6 @@
 #include "renderer/scene/gltf_import.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -9,46 +8,18 @@
 #include <utility>
 
 #include "renderer/base/error.hpp"
+#include "renderer/scene/gltf_animation.hpp"
 #include "renderer/scene/gltf_deform.hpp"
+#include "renderer/scene/gltf_instances.hpp"
 #include "renderer/scene/gltf_material.hpp"
 #include "renderer/scene/gltf_pose.hpp"
 #include "renderer/scene/gltf_primitive.hpp"
 #include "renderer/scene/gltf_surface.hpp"
+#include "renderer/scene/mesh_needs.hpp"
 
 namespace furnace {
 
 namespace {
-
-constexpr std::array<std::string_view, 23> kSupportedExtensions{
-    "EXT_meshopt_compression",              // gltf_read_compression.cpp
-    "EXT_texture_avif",                     // gltf_read_material.cpp
-    "EXT_texture_webp",                     // gltf_read_material.cpp
-    "KHR_draco_mesh_compression",           // gltf_draco.cpp
-    "KHR_lights_punctual",                  // gltf_read_scene.cpp
-    "KHR_materials_anisotropy",             // gltf_read_layers.cpp
-    "KHR_materials_clearcoat",              // gltf_read_layers.cpp
-    "KHR_materials_diffuse_transmission",   // gltf_read_layers.cpp
-    "KHR_materials_dispersion",             // gltf_read_layers.cpp
-    "KHR_materials_emissive_strength",      // gltf_read_material.cpp
-    "KHR_materials_ior",                    // gltf_read_layers.cpp
-    "KHR_materials_iridescence",            // gltf_read_layers.cpp
-    "KHR_materials_pbrSpecularGlossiness",  // gltf_read_layers.cpp
-    "KHR_materials_sheen",                  // gltf_read_layers.cpp
-    "KHR_materials_specular",               // gltf_read_layers.cpp
-    "KHR_materials_transmission",           // gltf_read_layers.cpp
-    "KHR_materials_unlit",                  // gltf_read_material.cpp
-    "KHR_materials_variants",               // gltf_read_scene.cpp
-    "KHR_materials_volume",                 // gltf_read_layers.cpp
-    "KHR_mesh_quantization",                // gltf_primitive.cpp
-    "KHR_meshopt_compression",              // gltf_read_compression.cpp
-    "KHR_texture_basisu",                   // gltf_read_material.cpp
-    "KHR_texture_transform",                // gltf_read_material.cpp
-};
-
-bool is_supported(std::string_view extension) {
-  return std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), extension) !=
-         kSupportedExtensions.end();
-}
 
 // What can be checked without the bytes of any buffer, for drawn and undrawn things alike.
 void check_document(const GltfDocument& document) {
@@ -69,8 +40,8 @@ void check_document(const GltfDocument& document) {
   }
 }
 
-GltfDocument read_checked(const Blob& bytes, const ImportLimits& limits) {
-  GltfDocument document = read_gltf_document(bytes, limits);
+GltfDocument read_checked(const GltfJson& json, const ImportLimits& limits) {
+  GltfDocument document = read_gltf_document(json, limits);
   check_document(document);
   return document;
 }
@@ -82,7 +53,8 @@ class Importer {
   Importer(const ModelBundle& bundle, const ImportLimits& limits, const Deadline& deadline)
       : limits_(limits),
         deadline_(deadline),
-        document_(read_checked(bundle.document, limits)),
+        json_(parse_gltf(bundle.document, limits)),
+        document_(read_checked(json_, limits)),
         data_(document_, bundle, limits),
         materials_(document_, data_, bundle, scene_, notes_) {}
 
@@ -92,6 +64,8 @@ class Importer {
   std::vector<int> root_nodes(int wanted_scene) const;
   std::vector<int> nodes_in_order(const std::vector<int>& roots) const;
   void note_ignored_extensions();
+  void play(const std::vector<AnimationClip>& clips);
+  void hide(const std::vector<int>& parents_first);
   void choose_variant(const std::optional<std::string>& name);
   std::optional<int> material_of(const GltfPrimitive& primitive) const;
   void add_cameras(const std::vector<int>& nodes);
@@ -109,9 +83,12 @@ class Importer {
   const Deadline& deadline_;
   GltfNotes notes_;
   Scene scene_;
+  GltfJson json_;
   GltfDocument document_;
   GltfData data_;
   GltfMaterials materials_;
+  ContentHash bundle_hash_;
+  std::vector<bool> hidden_;  // by node
   std::vector<glm::dmat4> world_from_node_;
   std::map<int, std::vector<glm::dmat4>> skins_;                // joint matrices, by skin
   std::map<GltfPrimitiveRef, std::optional<Instance>> shared_;  // meshes as they are for every plain node
@@ -122,10 +99,13 @@ class Importer {
 Scene Importer::import(const ModelBundle& bundle, const ImportOptions& options) {
   note_ignored_extensions();
   choose_variant(options.variant);
+  play(options.animations);
+  bundle_hash_ = bundle.hash;
   world_from_node_ = world_transforms(document_, notes_);
   const std::vector<int> nodes = nodes_in_order(root_nodes(options.scene));
+  hide(nodes);
   for (const int node : nodes) {
-    if (document_.nodes[static_cast<std::size_t>(node)].mesh) add_mesh(node);
+    if (document_.nodes[static_cast<std::size_t>(node)].mesh && !hidden_[std::size_t(node)]) add_mesh(node);
   }
   add_cameras(nodes);
   add_lights(nodes);
@@ -134,17 +114,45 @@ Scene Importer::import(const ModelBundle& bundle, const ImportOptions& options) 
   HashBuilder hash;
   hash.add(bundle.hash).add(std::int64_t{options.scene});
   if (variant_) hash.add("variant").add(std::int64_t{*variant_});
+  for (const AnimationClip& clip : options.animations) {
+    if (const int* index = std::get_if<int>(&clip.which)) {
+      hash.add("animation").add(std::int64_t{*index});
+    } else {
+      hash.add("animation-name").add(std::get<std::string>(clip.which));
+    }
+    hash.add(clip.time.seconds).add(std::int64_t{clip.time.loop});
+  }
   scene_.hash = hash.finish();
   scene_.notes = notes_.take();
   return std::move(scene_);
 }
 
 void Importer::note_ignored_extensions() {
+  const std::vector<std::string_view> supported = supported_gltf_extensions();
   for (std::size_t i = 0; i < document_.extensions_used.size(); ++i) {
     const std::string& name = document_.extensions_used[i];
-    if (is_supported(name)) continue;
+    if (std::find(supported.begin(), supported.end(), name) != supported.end()) continue;
     notes_.add("extension-ignored", "/extensionsUsed/" + std::to_string(i),
                shortened(name) + " is not supported and was ignored");
+  }
+}
+
+void Importer::play(const std::vector<AnimationClip>& clips) {
+  scene_.animations = list_animations(document_, data_, notes_);
+  if (clips.empty()) return;
+  for (const AnimationClip& clip : clips) {
+    if (const auto animation = find_animation(document_, clip.which))
+      pose_document(json_.root, document_, data_, *animation, clip.time, notes_);
+  }
+  document_ = read_checked(json_, limits_);
+}
+
+// KHR_node_visibility: a node hides all below it, whatever they say themselves.
+void Importer::hide(const std::vector<int>& parents_first) {
+  hidden_.assign(document_.nodes.size(), false);
+  for (const int index : parents_first) {
+    const GltfNode& node = document_.nodes[std::size_t(index)];
+    hidden_[std::size_t(index)] = !node.visible || (node.parent >= 0 && hidden_[std::size_t(node.parent)]);
   }
 }
 
@@ -213,7 +221,7 @@ void Importer::add_cameras(const std::vector<int>& nodes) {
 void Importer::add_lights(const std::vector<int>& nodes) {
   for (const int node_index : nodes) {
     const GltfNode& node = document_.nodes[static_cast<std::size_t>(node_index)];
-    if (!node.light) continue;
+    if (!node.light || hidden_[std::size_t(node_index)]) continue;
     const std::optional<Light>& known = document_.lights[static_cast<std::size_t>(*node.light)];
     if (!known) {
       notes_.add("light-ignored",
@@ -236,6 +244,8 @@ void Importer::add_mesh(int node_index) {
   const GltfMesh& mesh = document_.meshes[static_cast<std::size_t>(*node.mesh)];
   const glm::dmat4& world_from_model = world_from_node_[static_cast<std::size_t>(node_index)];
   const std::vector<glm::dmat4>* joints = node.skin ? &world_from_bind(*node.skin) : nullptr;
+  const std::vector<glm::dmat4> places =
+      instance_transforms(document_, data_, node_index, limits_.max_instances);
 
   for (int i = 0; i < static_cast<int>(mesh.primitives.size()); ++i) {
     const GltfPrimitiveRef ref{*node.mesh, i};
@@ -249,7 +259,12 @@ void Importer::add_mesh(int node_index) {
     std::optional<Instance> instance =
         own ? import_primitive(ref, weights, skinned ? joints : nullptr) : shared_primitive(ref);
     // glTF 2.0, section 3.7.3.3: only the joints place a skinned mesh.
-    if (instance) add_instance(std::move(*instance), node_index, skinned ? glm::dmat4(1) : world_from_model);
+    if (!instance) continue;
+    if (skinned) {
+      add_instance(std::move(*instance), node_index, glm::dmat4(1));
+    } else {
+      for (const glm::dmat4& place : places) add_instance(*instance, node_index, world_from_model * place);
+    }
   }
 }
 
@@ -283,10 +298,23 @@ std::optional<Instance> Importer::import_primitive(const GltfPrimitiveRef& ref,
   apply_morph_targets(document_, data_, ref, weights, vertices.mesh);
   if (joints) apply_skin(vertices, *joints, ref.pointer() + "/attributes", notes_);
 
+  HashBuilder key;
+  key.add("gltf-mesh").add(bundle_hash_).add(std::int64_t{ref.mesh}).add(std::int64_t{ref.primitive});
+  for (const double weight : weights) key.add(weight);
+  if (joints) {
+    for (const glm::dmat4& joint : *joints)
+      key.add(std::string_view(reinterpret_cast<const char*>(&joint), sizeof joint));
+  }
+
   Instance instance;
   instance.material = materials_.scene_material(material_of(primitive_of(document_, ref)));
   complete_surface(vertices.mesh, scene_.materials[static_cast<std::size_t>(instance.material)],
                    ref.pointer(), notes_);
+  // What the material made of it.
+  key.add(std::int64_t{
+      tangent_uv_set(scene_.materials[std::size_t(instance.material)]).value_or(-1)});
+  for (const auto& uvs : vertices.mesh.uvs) key.add(std::int64_t(uvs.size()));
+  vertices.mesh.key = key.finish();
   count_mesh(vertices.mesh, ref);
   instance.mesh = static_cast<int>(scene_.meshes.size());
   scene_.meshes.push_back(std::move(vertices.mesh));
@@ -385,10 +413,6 @@ std::vector<std::string> gltf_external_uris(const Blob& bytes, const ImportLimit
 Scene import_gltf(const ModelBundle& bundle, const ImportOptions& options, const ImportLimits& limits,
                   const Deadline& deadline) {
   return Importer(bundle, limits, deadline).import(bundle, options);
-}
-
-std::vector<std::string_view> supported_gltf_extensions() {
-  return {kSupportedExtensions.begin(), kSupportedExtensions.end()};
 }
 
 }  // namespace furnace

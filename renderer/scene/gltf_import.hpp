@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "renderer/base/blob.hpp"
@@ -31,21 +32,36 @@ struct ImportLimits {
   int max_node_depth = 4096;
   std::int64_t max_json_bytes = 64ll << 20;
   std::int64_t max_buffer_bytes = 1ll << 30;  // all buffers together
+  std::int64_t max_instances = 1'000'000;    // of one node (EXT_mesh_gpu_instancing)
   std::int64_t max_mesh_bytes = 2ll << 30;    // all meshes as imported
+};
+
+// When an animation is looked at. Before its first keyframe and after its last it stands still, unless it loops.
+struct AnimationTime {
+  double seconds = 0;
+  bool loop = false;  // the time is taken modulo the animation's length
+};
+
+struct AnimationClip {
+  std::variant<int, std::string> which = 0;  // index in the document, or name
+  AnimationTime time;
 };
 
 struct ImportOptions {
   int scene = -1;  // index of the glTF scene; -1: the document's default, else the first, else all root nodes
   std::optional<std::string>
       variant;  // name; none, or one that Scene::variants does not list: the default materials
+  // Played one after the other: a later one has the last word on what both move. Those that Scene::animations does not
+  // list move nothing.
+  std::vector<AnimationClip> animations = {};
 };
 
 // The external URIs (not data: ones) of buffers and images, percent-decoded, each once, in document order.
 // Errors: kUnprocessable for what is not glTF 2.0, and by pointer for URIs with a scheme, absolute paths, "..".
 std::vector<std::string> gltf_external_uris(const Blob& document, const ImportLimits& limits);
 
-// Imports one scene of the document in its rest pose: node transforms, skins (every set of joints) and morph
-// targets at their default weights are applied on the CPU in double precision; skinned meshes come out in
+// Imports one scene of the document in the pose of its animations, or at rest: node transforms, skins (every set of
+// joints) and morph targets are applied on the CPU in double precision; skinned meshes come out in
 // world space.
 // Errors: kUnprocessable with a pointer; kTooLarge for a limit; an extension in extensionsRequired that
 // supported_gltf_extensions() does not list is refused, one in extensionsUsed only becomes a Note.

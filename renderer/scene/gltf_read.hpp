@@ -13,6 +13,16 @@ struct GltfCounts {
       scenes, lights, variants;
 };
 
+// A document before its values are read.
+struct GltfJson {
+  Json root;
+  std::optional<ByteRange> binary;  // as GltfDocument::binary
+};
+
+// gltf_document.cpp. Errors: as read_gltf_document.
+GltfJson parse_gltf(const Blob& bytes, const ImportLimits& limits);
+GltfDocument read_gltf_document(const GltfJson& json, const ImportLimits& limits);
+
 // gltf_read_data.cpp
 GltfBuffer read_buffer(const JsonObject& json);
 GltfBufferView read_buffer_view(const JsonObject& json, const std::vector<GltfBuffer>& buffers);
@@ -42,6 +52,9 @@ std::optional<Light> read_light(const JsonObject& json);
 GltfNode read_node(const JsonObject& json, const GltfCounts& counts);
 // Sets every node's parent. Errors: two parents, a cycle, a depth over the limit.
 void link_nodes(std::vector<GltfNode>& nodes, const ImportLimits& limits);
+// gltf_read_animation.cpp
+GltfAnimation read_animation(const JsonObject& json, const GltfCounts& counts);
+
 GltfScene read_scene(const JsonObject& json, const std::vector<GltfNode>& nodes);
 
 }  // namespace furnace

@@ -196,6 +196,10 @@ GltfNode read_node(const JsonObject& json, const GltfCounts& counts) {
   if (const auto lights = json.extension("KHR_lights_punctual"))
     node.light = lights->required_reference("light", "light", counts.lights);
   node.weights = json.numbers("weights");
+  if (const auto visibility = json.extension("KHR_node_visibility"))
+    node.visible = visibility->boolean("visible", true);
+  if (const auto instancing = json.extension("EXT_mesh_gpu_instancing"))
+    node.instances = read_attributes(instancing->required_object("attributes"), counts);
   read_transform(json, node);
   return node;
 }

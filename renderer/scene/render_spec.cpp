@@ -112,9 +112,15 @@ class CanonicalHash {
             angular_radius_rad, width_m, height_m, roll_rad, two_sided, profile, casts_shadow);
   }
 
+  void add(const AnimationClip& value) {
+    const auto& [which, time] = value;
+    add_all(which, time.seconds, time.loop);
+  }
+
   void add(const SceneSpec& value) {
-    const auto& [model, gltf_scene, variant, nodes, materials, shading_model, lights, model_lights] = value;
-    add_all(model, gltf_scene, variant, nodes, materials, shading_model, lights, model_lights);
+    const auto& [model, gltf_scene, variant, animations, nodes, materials, shading_model, lights,
+                 model_lights] = value;
+    add_all(model, gltf_scene, variant, animations, nodes, materials, shading_model, lights, model_lights);
   }
 
   void add(const BuiltinName& value) {

@@ -80,6 +80,7 @@ struct SceneSpec {
   std::shared_ptr<const ModelBundle> model;  // may be null: then nodes only
   int gltf_scene = -1;                       // as ImportOptions::scene
   std::optional<std::string> variant;        // of the model's materials, by name
+  std::vector<AnimationClip> animations;     // of the model, as ImportOptions::animations
   std::vector<NodeSpec> nodes;
   std::map<std::string, MaterialOverride> materials;
   ShadingModel shading_model = ShadingModel::kPbr;  // of materials that state none

@@ -32,6 +32,7 @@ enum class Topology { kPoints, kLines, kTriangles };  // strips, fans and loops 
 // One drawable primitive in model space. Attribute arrays are empty or as long as `positions`.
 // Triangles always have normals (imported or generated flat); tangents when a material of theirs needs them.
 struct Mesh {
+  ContentHash key;  // of all that it was made from; equal for the same mesh in another scene
   std::string name;
   Topology topology = Topology::kTriangles;
   std::vector<glm::vec3> positions;  // m
@@ -69,6 +70,11 @@ struct CameraNode {
   std::optional<double> z_far;             // m; none: infinite, perspective only
 };
 
+struct SceneAnimation {
+  std::string name;
+  double duration_s = 0;
+};
+
 // Something that was not drawn as asked, or was mended: part of a render's report; an error under "strict".
 struct Note {
   std::string code;     // stable, kebab-case: "extension-ignored", "normals-generated", ...
@@ -86,6 +92,7 @@ struct Scene {
   std::vector<CameraNode> cameras;
   std::vector<Light> lights;
   std::vector<std::string> variants;  // names that the model knows (KHR_materials_variants), chosen or not
+  std::vector<SceneAnimation> animations;  // that the model knows, played or not
   std::vector<Note> notes;
 
   std::size_t byte_size() const;

@@ -205,6 +205,8 @@ void add_options(CLI::App& command, Arguments& to) {
                      "an .hdr or .exr file, or the name of a built-in environment");
   command.add_option("--rotation", options.rotation_degrees, "turn of the environment about +Y, degrees");
   command.add_option("--variant", options.variant, "one of the model's sets of materials");
+  command.add_option("--animation", options.animation, "one of the model's animations, by name or index");
+  command.add_option("--time", options.time_seconds, "of the animation, s; of the first if none is named");
   command.add_option("--shading-model", options.shading_model, "pbr, schlick-beckmann, blinn-phong or phong");
   command.add_option("--background", options.background, "environment, transparent or #rrggbb");
   command.add_option("--background-blur", options.blur_degrees, "of the environment seen, degrees");

@@ -65,6 +65,37 @@ Members background_members(std::string_view background) {
   return members;
 }
 
+// A name of digits alone is taken for an index.
+AnimationClip clip_of(const RenderOptions& options) {
+  AnimationClip clip;
+  clip.time.seconds = options.time_seconds.value_or(0);
+  if (!options.animation) return clip;
+  const std::string& name = *options.animation;
+  constexpr std::size_t kMostDigits = 6;
+  const bool is_index =
+      !name.empty() && name.size() <= kMostDigits && name.find_first_not_of("0123456789") == std::string::npos;
+  if (is_index) {
+    clip.which = std::stoi(name);
+  } else {
+    clip.which = name;
+  }
+  return clip;
+}
+
+bool animates(const RenderOptions& options) {
+  return options.animation || options.time_seconds;
+}
+
+Members clip_members(const AnimationClip& clip) {
+  Members members;
+  if (const int* index = std::get_if<int>(&clip.which))
+    members.add("index", std::optional(*index));
+  else
+    members.add("name", std::optional(std::get<std::string>(clip.which)));
+  members.add("timeSeconds", std::optional(clip.time.seconds));
+  return members;
+}
+
 bool turns_camera(const RenderOptions& options) {
   return options.azimuth_degrees || options.elevation_degrees;
 }
@@ -80,6 +111,7 @@ std::string request_document(const RenderOptions& options, const std::string& mo
   if (!model.empty()) {
     scene.add("model", std::optional(model));
     scene.add("variant", options.variant);
+    if (animates(options)) scene.add_object("animation", clip_members(clip_of(options)));
   }
   scene.add("shadingModel", options.shading_model);
   environment.add("map", options.environment);
@@ -136,6 +168,7 @@ std::string request_document(const RenderOptions& options, const std::string& mo
 
 void apply_options(const RenderOptions& options, const RenderSpec& said, RenderSpec& spec) {
   if (options.variant) spec.scene.variant = options.variant;
+  if (animates(options)) spec.scene.animations = {clip_of(options)};
   if (options.shading_model) spec.scene.shading_model = said.scene.shading_model;
   if (options.environment) spec.environment.map = said.environment.map;
   if (options.rotation_degrees) spec.environment.rotation_rad = said.environment.rotation_rad;
