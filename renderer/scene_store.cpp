@@ -102,8 +102,8 @@ std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, 
         key.add(spec_hash(animated));
         const auto model = imports_.get_or_load(key.finish(), deadline, [&] {
           return with_context("/scene/model", [&] {
-            return import_gltf(*spec.model, ImportOptions{spec.gltf_scene, spec.variant, spec.animations}, config_.import,
-                               deadline);
+            return import_gltf(*spec.model, ImportOptions{spec.gltf_scene, spec.variant, spec.animations},
+                               config_.import, deadline);
           });
         });
         return compose_scene(spec, model.get());

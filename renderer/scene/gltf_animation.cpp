@@ -64,8 +64,8 @@ std::vector<double> sample(const Track& track, double time_s, PropertyKind kind)
     const double t2 = t * t, t3 = t2 * t;
     for (std::size_t c = 0; c < track.width; ++c) {
       result[c] = (2 * t3 - 3 * t2 + 1) * track.at(key, c) +
-                  span_s * (t3 - 2 * t2 + t) * track.at(key, c, 2) +
-                  (-2 * t3 + 3 * t2) * track.at(next, c) + span_s * (t3 - t2) * track.at(next, c, 0);
+                  span_s * (t3 - 2 * t2 + t) * track.at(key, c, 2) + (-2 * t3 + 3 * t2) * track.at(next, c) +
+                  span_s * (t3 - t2) * track.at(next, c, 0);
     }
   } else if (kind == PropertyKind::kRotation) {
     const auto rotation = [&](std::size_t k) {

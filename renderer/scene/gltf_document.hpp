@@ -170,8 +170,8 @@ struct GltfNode {
   glm::dvec3 translation{0};
   glm::dquat rotation{1, 0, 0, 0};
   glm::dvec3 scale{1};
-  bool visible = true;           // KHR_node_visibility
-  GltfAttributes instances;      // EXT_mesh_gpu_instancing: TRANSLATION, ROTATION, SCALE -> accessor
+  bool visible = true;       // KHR_node_visibility
+  GltfAttributes instances;  // EXT_mesh_gpu_instancing: TRANSLATION, ROTATION, SCALE -> accessor
 };
 
 struct GltfScene {

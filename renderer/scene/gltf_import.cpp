@@ -311,8 +311,7 @@ std::optional<Instance> Importer::import_primitive(const GltfPrimitiveRef& ref,
   complete_surface(vertices.mesh, scene_.materials[static_cast<std::size_t>(instance.material)],
                    ref.pointer(), notes_);
   // What the material made of it.
-  key.add(std::int64_t{
-      tangent_uv_set(scene_.materials[std::size_t(instance.material)]).value_or(-1)});
+  key.add(std::int64_t{tangent_uv_set(scene_.materials[std::size_t(instance.material)]).value_or(-1)});
   for (const auto& uvs : vertices.mesh.uvs) key.add(std::int64_t(uvs.size()));
   vertices.mesh.key = key.finish();
   count_mesh(vertices.mesh, ref);

@@ -32,7 +32,7 @@ struct ImportLimits {
   int max_node_depth = 4096;
   std::int64_t max_json_bytes = 64ll << 20;
   std::int64_t max_buffer_bytes = 1ll << 30;  // all buffers together
-  std::int64_t max_instances = 1'000'000;    // of one node (EXT_mesh_gpu_instancing)
+  std::int64_t max_instances = 1'000'000;     // of one node (EXT_mesh_gpu_instancing)
   std::int64_t max_mesh_bytes = 2ll << 30;    // all meshes as imported
 };
 

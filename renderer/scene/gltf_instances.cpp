@@ -27,8 +27,8 @@ constexpr Attribute kAttributes[] = {
 void check_format(const GltfAccessor& accessor, const Attribute& attribute, const std::string& pointer) {
   const bool packed = accessor.normalized && (accessor.component == ComponentType::kByte ||
                                               accessor.component == ComponentType::kShort);
-  const bool sound = accessor.type == attribute.type && (accessor.component == ComponentType::kFloat ||
-                                                         (packed && attribute.may_be_normalized));
+  const bool sound = accessor.type == attribute.type &&
+                     (accessor.component == ComponentType::kFloat || (packed && attribute.may_be_normalized));
   if (!sound)
     fail(ErrorCode::kUnprocessable, "has a type or component type that instances do not take", pointer);
 }

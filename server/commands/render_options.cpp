@@ -72,8 +72,8 @@ AnimationClip clip_of(const RenderOptions& options) {
   if (!options.animation) return clip;
   const std::string& name = *options.animation;
   constexpr std::size_t kMostDigits = 6;
-  const bool is_index =
-      !name.empty() && name.size() <= kMostDigits && name.find_first_not_of("0123456789") == std::string::npos;
+  const bool is_index = !name.empty() && name.size() <= kMostDigits &&
+                        name.find_first_not_of("0123456789") == std::string::npos;
   if (is_index) {
     clip.which = std::stoi(name);
   } else {

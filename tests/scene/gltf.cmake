@@ -1,5 +1,5 @@
 furnace_test(scene_gltf LABEL unit
-  SOURCES gltf_accessor_test.cpp gltf_container_test.cpp gltf_corpus_test.cpp gltf_deform_test.cpp gltf_fuzz_test.cpp
+  SOURCES gltf_accessor_test.cpp gltf_animation_test.cpp gltf_container_test.cpp gltf_corpus_test.cpp gltf_deform_test.cpp gltf_fuzz_test.cpp
     gltf_import_test.cpp gltf_layers_test.cpp gltf_material_test.cpp gltf_models_test.cpp
     gltf_variants_test.cpp
   LINK furnace_scene nlohmann_json::nlohmann_json)
