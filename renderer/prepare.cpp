@@ -76,10 +76,11 @@ double half_scale(double peak) {
 
 }  // namespace
 
-PreparedPixels prepare_texture(const Blob& encoded, ColorSpace color_space, const std::string& pointer,
-                               const DecodeLimits& limits) {
+PreparedPixels prepare_texture(Decoder& decoder, const Blob& encoded, ColorSpace color_space,
+                               const std::string& pointer, const DecodeLimits& limits,
+                               const Deadline& deadline) {
   try {
-    Image pixels = to_uploadable(decode_texture(encoded, color_space, limits), color_space);
+    Image pixels = to_uploadable(decoder.texture(encoded, color_space, limits, deadline), color_space);
     const float lowest = lowest_green(pixels);
     return {std::move(pixels), lowest, std::nullopt};
   } catch (Error& error) {

@@ -116,12 +116,12 @@ std::string Fingerprint::text() const {
 }
 
 struct Renderer::State {
-  State(const RendererConfig& config, WorkerPool& pool)
+  State(const RendererConfig& config, WorkerPool& pool, Decoder& decoder)
       : resident(std::make_shared<ResidentKeys>()),
         gl_thread("gl-0",
                   [world_config = RenderWorldConfig{config.gl, config.shader_dir, config.gpu_cache_bytes},
                    keys = resident] { return std::make_unique<RenderWorld>(world_config, keys); }),
-        scenes(config, pool, resident),
+        scenes(config, pool, decoder, resident),
         max_tile_px(config.max_tile_px) {}
 
   std::shared_ptr<ResidentKeys> resident;
@@ -132,8 +132,8 @@ struct Renderer::State {
   gl::Limits limits;
 };
 
-Renderer::Renderer(const RendererConfig& config, WorkerPool& pool)
-    : state_(std::make_unique<State>(config, pool)) {
+Renderer::Renderer(const RendererConfig& config, WorkerPool& pool, Decoder& decoder)
+    : state_(std::make_unique<State>(config, pool, decoder)) {
   state_->fingerprint.build = config.build_id;
   state_->gl_thread.call(Deadline(), [&](RenderWorld& world) {
     state_->limits = world.context().limits();

@@ -75,14 +75,16 @@ std::vector<LightDirection> light_on_ground(const PreparedScene& scene, double r
 
 }  // namespace
 
-SceneStore::SceneStore(const RendererConfig& config, WorkerPool& pool, std::shared_ptr<ResidentKeys> resident)
+SceneStore::SceneStore(const RendererConfig& config, WorkerPool& pool, Decoder& decoder,
+                       std::shared_ptr<ResidentKeys> resident)
     : config_(config),
       pool_(pool),
+      decoder_(decoder),
       resident_(std::move(resident)),
       imports_(config.scene_cache_bytes, [](const Scene& scene) { return std::int64_t(scene.byte_size()); }),
       compositions_(config.scene_cache_bytes,
                     [](const ComposedScene& scene) { return std::int64_t(scene.byte_size()); }),
-      environments_(config, pool) {}
+      environments_(config, pool, decoder) {}
 
 std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, const Deadline& deadline,
                                                          bool& hit) {
@@ -133,8 +135,8 @@ void SceneStore::prepare_occluders(PreparedScene& out) {
   });
 }
 
-void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, std::vector<Note>& notes,
-                                  bool& hit) {
+void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, const Deadline& deadline,
+                                  std::vector<Note>& notes, bool& hit) {
   struct Wanted {
     const SceneImage* image;
     ColorSpace color_space;
@@ -162,8 +164,8 @@ void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, std::v
                               .add(std::int64_t(texture.color_space))
                               .finish();
     if (resident_->contains(out.textures[i].key)) return;
-    PreparedPixels prepared =
-        prepare_texture(texture.image->encoded, texture.color_space, texture.image->pointer, config_.texture);
+    PreparedPixels prepared = prepare_texture(decoder_, texture.image->encoded, texture.color_space,
+                                              texture.image->pointer, config_.texture, deadline);
     out.textures[i].pixels = std::make_shared<const Image>(std::move(prepared.pixels));
     out.textures[i].lowest_green = prepared.lowest_green;
     texture_notes[i] = std::move(prepared.note);
@@ -285,7 +287,7 @@ Preparation SceneStore::prepare(const RenderSpec& spec, const Deadline& deadline
     out.scene.bounds = out.composed->bounds;
     prepare_meshes(out);
     check_deadline(deadline, "decode");
-    prepare_textures(out.scene, scene, out.notes, times.decode_hit);
+    prepare_textures(out.scene, scene, deadline, out.notes, times.decode_hit);
   }
   check_deadline(deadline, "bake");
   prepare_environment(spec, deadline, times, out);

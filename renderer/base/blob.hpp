@@ -20,6 +20,7 @@ class Blob {
   static Blob slice(const Blob& whole, std::size_t offset, std::size_t size);
 
   std::span<const std::byte> bytes() const { return bytes_; }
+  operator std::span<const std::byte>() const { return bytes_; }  // codecs and hashes take plain bytes
   std::string_view text() const { return {reinterpret_cast<const char*>(bytes_.data()), bytes_.size()}; }
   std::size_t size() const { return bytes_.size(); }
   bool empty() const { return bytes_.empty(); }

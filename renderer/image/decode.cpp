@@ -138,15 +138,15 @@ void fail_damaged(std::string_view format, std::string_view what) {
   fail(ErrorCode::kUnprocessable, fmt::format("the {} is damaged: {}", format, what));
 }
 
-Image decode_texture(const Blob& encoded, ColorSpace color_space, const DecodeLimits& limits) {
-  const ImageFormat format = sniff_image_format(encoded.bytes());
+Image decode_texture(std::span<const std::byte> file, ColorSpace color_space, const DecodeLimits& limits) {
+  const ImageFormat format = sniff_image_format(file);
   switch (format) {
     case ImageFormat::kPng:
-      return decode_png(encoded.bytes(), color_space, limits);
+      return decode_png(file, color_space, limits);
     case ImageFormat::kJpeg:
-      return decode_jpeg(encoded.bytes(), color_space, limits);
+      return decode_jpeg(file, color_space, limits);
     case ImageFormat::kWebp:
-      return decode_webp(encoded.bytes(), color_space, limits);
+      return decode_webp(file, color_space, limits);
     default:
       break;
   }
@@ -184,15 +184,15 @@ RepairReport repair_radiance(Image& image) {
   return report;
 }
 
-DecodedEnvironment decode_environment(const Blob& encoded, const DecodeLimits& limits) {
+DecodedEnvironment decode_environment(std::span<const std::byte> file, const DecodeLimits& limits) {
   DecodedEnvironment environment;
-  const ImageFormat format = sniff_image_format(encoded.bytes());
+  const ImageFormat format = sniff_image_format(file);
   switch (format) {
     case ImageFormat::kHdr:
-      environment.equirect = decode_rgbe(encoded.bytes(), limits);
+      environment.equirect = decode_rgbe(file, limits);
       break;
     case ImageFormat::kExr:
-      environment.equirect = decode_exr(encoded.bytes(), limits);
+      environment.equirect = decode_exr(file, limits);
       break;
     default:
       fail(ErrorCode::kUnsupportedMedia,

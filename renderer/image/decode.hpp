@@ -25,7 +25,7 @@ bool is_texture_format(ImageFormat format);              // what decode_texture 
 // expanded, CMYK converted), gamma and EXIF orientation ignored as glTF asks. `color_space` is what the
 // texture slot says. Errors: kUnsupportedMedia (not such a file), kTooLarge (limits), kUnprocessable
 // (damaged). Threads: any.
-Image decode_texture(const Blob& encoded, ColorSpace color_space, const DecodeLimits& limits);
+Image decode_texture(std::span<const std::byte> file, ColorSpace color_space, const DecodeLimits& limits);
 
 // What was mended in an HDRI before use; all zero for a clean file.
 struct RepairReport {
@@ -45,6 +45,6 @@ struct DecodedEnvironment {
 // filled into display window) equirects. NaN -> mean of valid neighbours (0 without any), +inf -> largest
 // finite value of that channel, negative and -inf -> 0; counted in `repairs`. Errors as decode_texture;
 // kUnprocessable for an aspect ratio other than 2:1, saying what to do.
-DecodedEnvironment decode_environment(const Blob& encoded, const DecodeLimits& limits);
+DecodedEnvironment decode_environment(std::span<const std::byte> file, const DecodeLimits& limits);
 
 }  // namespace furnace

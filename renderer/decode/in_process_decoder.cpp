@@ -1,0 +1,26 @@
+#include "renderer/decode/in_process_decoder.hpp"
+
+namespace furnace::decode {
+namespace {
+
+// Threads: any. Owns: nothing.
+class InProcessDecoder : public Decoder {
+ public:
+  Image texture(std::span<const std::byte> file, ColorSpace color_space, const DecodeLimits& limits,
+                const Deadline&) override {
+    return decode_texture(file, color_space, limits);
+  }
+  DecodedEnvironment environment(std::span<const std::byte> file, const DecodeLimits& limits,
+                                 const Deadline&) override {
+    return decode_environment(file, limits);
+  }
+};
+
+}  // namespace
+
+Decoder& in_process_decoder() {
+  static InProcessDecoder decoder;
+  return decoder;
+}
+
+}  // namespace furnace::decode

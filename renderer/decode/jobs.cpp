@@ -1,0 +1,57 @@
+#include "renderer/decode/jobs.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace furnace::decode {
+namespace {
+
+std::int64_t largest_area_px(const DecodeLimits& limits) {
+  return std::min(limits.max_area_px, std::int64_t(limits.max_side_px) * limits.max_side_px);
+}
+
+bool is_count(std::int64_t said, std::size_t most) {
+  return said >= 0 && std::uint64_t(said) <= most;
+}
+
+}  // namespace
+
+bool is_whole(const Image& image, const DecodeLimits& limits) {
+  const auto is_side = [&](int side) { return side >= 1 && side <= limits.max_side_px; };
+  if (!is_side(image.extent.width) || !is_side(image.extent.height)) return false;
+  if (image.extent.area() > limits.max_area_px || image.channels < 1 || image.channels > 4) return false;
+  const std::size_t pixel_bytes = std::size_t(image.channels) * sample_bytes(image.type);
+  return image.pixels.size() == std::size_t(image.extent.area()) * pixel_bytes;
+}
+
+std::int64_t TextureJob::largest_result_bytes() const {
+  return largest_area_px(limits) * 4 * std::int64_t(sample_bytes(SampleType::kUint16));
+}
+
+bool TextureJob::accepts(const Image& image) const {
+  const bool has_type = image.type == SampleType::kUint8 || image.type == SampleType::kUint16;
+  return has_type && image.color_space == color_space && is_whole(image, limits);
+}
+
+std::int64_t EnvironmentJob::largest_result_bytes() const {
+  return largest_area_px(limits) * 3 * std::int64_t(sizeof(float));
+}
+
+bool EnvironmentJob::accepts(const DecodedEnvironment& environment) const {
+  const Image& map = environment.equirect;
+  const RepairReport& repairs = environment.repairs;
+  if (map.channels != 3 || map.type != SampleType::kFloat32 || map.color_space != ColorSpace::kLinear)
+    return false;
+  if (!is_whole(map, limits) || map.extent.width != 2 * std::int64_t{map.extent.height}) return false;
+  const std::span<const float> samples = map.samples<float>();
+  const bool counts = is_count(repairs.nan_samples, samples.size()) &&
+                      is_count(repairs.infinite_samples, samples.size()) &&
+                      is_count(repairs.negative_samples, samples.size());
+  // Counted, not searched: without a way out the loop runs on vectors.
+  std::size_t unsound = 0;
+  for (const float sample : samples)
+    unsound += std::size_t(!(sample >= 0 && sample <= std::numeric_limits<float>::max()));
+  return counts && unsound == 0;
+}
+
+}  // namespace furnace::decode
