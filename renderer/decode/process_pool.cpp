@@ -146,6 +146,7 @@ void ProcessPool::run(const Task& task, const Deadline& deadline) {
   // An idle child may have been ended from outside; several in a row are ours to explain.
   constexpr int kTries = 3;
   for (int attempt = 1;; ++attempt) {
+    check_deadline(deadline, "decode");
     WorkerPointer worker = lease(deadline);
     Outcome outcome;
     try {

@@ -54,6 +54,7 @@ std::string limit_resources(const SandboxLimits& limits) {
 }
 
 std::string give_up_privileges() {
+  ::prctl(PR_SET_NAME, "furnace-decode");  // else it is called "exe"
   if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) return problem_of("PR_SET_PDEATHSIG", errno);
   if (::prctl(PR_SET_DUMPABLE, 0) != 0) return problem_of("PR_SET_DUMPABLE", errno);
   if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return problem_of("PR_SET_NO_NEW_PRIVS", errno);
