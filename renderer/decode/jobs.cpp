@@ -1,7 +1,7 @@
 #include "renderer/decode/jobs.hpp"
 
 #include <algorithm>
-#include <limits>
+#include <bit>
 
 namespace furnace::decode {
 namespace {
@@ -47,10 +47,13 @@ bool EnvironmentJob::accepts(const DecodedEnvironment& environment) const {
   const bool counts = is_count(repairs.nan_samples, samples.size()) &&
                       is_count(repairs.infinite_samples, samples.size()) &&
                       is_count(repairs.negative_samples, samples.size());
-  // Counted, not searched: without a way out the loop runs on vectors.
-  std::size_t unsound = 0;
-  for (const float sample : samples)
-    unsound += std::size_t(!(sample >= 0 && sample <= std::numeric_limits<float>::max()));
+  // By bits and without a way out, so that the loop runs on vectors: infinities, NaN and what is negative come after all
+  // finite numbers, but for -0.
+  std::uint32_t unsound = 0;
+  for (const float sample : samples) {
+    const auto bits = std::bit_cast<std::uint32_t>(sample);
+    unsound |= std::uint32_t(bits >= 0x7f800000u) & std::uint32_t(bits != 0x80000000u);
+  }
   return counts && unsound == 0;
 }
 

@@ -86,7 +86,10 @@ class WireReader {
   template <class Element>
     requires std::is_trivially_copyable_v<Element>
   void array(std::vector<Element>& values) {
-    values.resize(array_count(sizeof(Element)));
+    const std::size_t count = array_count(sizeof(Element));
+    values.reserve(count);
+    expect_large(std::as_writable_bytes(std::span(values.data(), count)));
+    values.resize(count);
     get_from_block(std::as_writable_bytes(std::span(values)));
   }
 
@@ -96,6 +99,7 @@ class WireReader {
  private:
   const char* take(std::size_t size);  // null: not so many are left
   std::size_t array_count(std::size_t element_bytes);
+  static void expect_large(std::span<std::byte> memory);
   void get_from_block(std::span<std::byte> bytes);
 
   std::string_view bytes_;

@@ -135,6 +135,10 @@ TEST(Jobs, AnEnvironmentMustBeLight) {
   const EnvironmentJob job{{8, 64}};
   const DecodedEnvironment good{small_image(), {}};
   EXPECT_TRUE(job.accepts(good));
+  DecodedEnvironment dark = good;
+  dark.equirect.samples<float>()[0] = -0.0f;
+  dark.equirect.samples<float>()[1] = std::numeric_limits<float>::max();
+  EXPECT_TRUE(job.accepts(dark));
   for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                             -1.0f, -std::numeric_limits<float>::min()}) {
     DecodedEnvironment environment = good;
