@@ -15,7 +15,9 @@ class Decoders {
   // Errors: kInternal, when no child starts, or its sandbox is not whole and has to be.
   explicit Decoders(const Config& config);
 
-  Decoder& decoder() { return processes_ ? static_cast<Decoder&>(*processes_) : decode::in_process_decoder(); }
+  Decoder& decoder() {
+    return processes_ ? static_cast<Decoder&>(*processes_) : decode::in_process_decoder();
+  }
   // Null: files are decoded in this process.
   const decode::ProcessDecoder* processes() const { return processes_.get(); }
 

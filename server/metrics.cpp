@@ -84,11 +84,12 @@ Metrics::Metrics(std::string_view build)
                           .Help("Children that ended, or gave an answer without sense, over a file")
                           .Register(registry_)
                           .Add({})),
-      decoder_timeouts(BuildCounter()
-                           .Name("furnace_decoder_timeouts_total")
-                           .Help("Children that were killed because the time of the file or the request was over")
-                           .Register(registry_)
-                           .Add({})),
+      decoder_timeouts(
+          BuildCounter()
+              .Name("furnace_decoder_timeouts_total")
+              .Help("Children that were killed because the time of the file or the request was over")
+              .Register(registry_)
+              .Add({})),
       decoder_starts(BuildCounter()
                          .Name("furnace_decoder_starts_total")
                          .Help("Child processes started")

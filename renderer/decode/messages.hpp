@@ -9,7 +9,8 @@
 
 namespace furnace::decode {
 
-inline constexpr std::uint32_t kMagic = 0x44'6e'72'46;  // "FrnD"; both ends are one program, so there are no versions
+inline constexpr std::uint32_t kMagic =
+    0x44'6e'72'46;  // "FrnD"; both ends are one program, so there are no versions
 inline constexpr std::size_t kMostMessageBytes = 32 << 10;
 inline constexpr std::size_t kMostTextBytes = 8 << 10;
 

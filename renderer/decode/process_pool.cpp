@@ -36,8 +36,8 @@ ProcessPool::~ProcessPool() {
 
 ProcessPool::WorkerPointer ProcessPool::start(const Deadline& deadline) {
   const Clock::time_point begun = Clock::now();
-  WorkerPointer worker = starter_.call(
-      deadline, [this](Starter&) { return std::make_unique<WorkerProcess>(config_.command); });
+  WorkerPointer worker =
+      starter_.call(deadline, [this](Starter&) { return std::make_unique<WorkerProcess>(config_.command); });
   const std::optional<std::string> problem = worker->greet(Clock::now() + kGreetingTime);
   const pid_t pid = worker->pid();
   if (!problem) {
@@ -48,8 +48,7 @@ ProcessPool::WorkerPointer ProcessPool::start(const Deadline& deadline) {
     fail(ErrorCode::kInternal, "decoders cannot be sandboxed on this system", {},
          *problem + "; decoder-sandbox = prefer does without");
   }
-  log::debug("decoder.started",
-             {{"pid", pid}, {"ms", ms_since(begun)}, {"sandboxed", problem->empty()}});
+  log::debug("decoder.started", {{"pid", pid}, {"ms", ms_since(begun)}, {"sandboxed", problem->empty()}});
   const std::lock_guard lock(mutex_);
   if (stats_.starts++ == 0 && !problem->empty()) {
     sandbox_problem_ = *problem;
@@ -60,9 +59,7 @@ ProcessPool::WorkerPointer ProcessPool::start(const Deadline& deadline) {
 
 ProcessPool::WorkerPointer ProcessPool::lease(const Deadline& deadline) {
   std::unique_lock lock(mutex_);
-  const auto may_start = [&] {
-    return alive_ < config_.processes && Clock::now() >= restarts_.next_start();
-  };
+  const auto may_start = [&] { return alive_ < config_.processes && Clock::now() >= restarts_.next_start(); };
   while (idle_.empty() && !may_start()) {
     if (deadline.passed()) {
       lock.unlock();
@@ -150,8 +147,8 @@ void ProcessPool::run(const Task& task, const Deadline& deadline) {
     WorkerPointer worker = lease(deadline);
     Outcome outcome;
     try {
-      outcome =
-          worker->exchange(task, std::min(deadline.end(), Clock::now() + config_.timeout), deadline.cancel_token());
+      outcome = worker->exchange(task, std::min(deadline.end(), Clock::now() + config_.timeout),
+                                 deadline.cancel_token());
     } catch (...) {
       retire(std::move(worker));
       throw;

@@ -18,8 +18,8 @@ namespace furnace::decode {
 
 struct PoolConfig {
   WorkerCommand command;
-  int processes = 1;                        // at once, at most
-  bool needs_whole_sandbox = false;         // else what it lacks is logged, once
+  int processes = 1;                          // at once, at most
+  bool needs_whole_sandbox = false;           // else what it lacks is logged, once
   std::chrono::milliseconds timeout{20'000};  // of one file
   int jobs_per_process = 200;
   std::int64_t bytes_per_process = 4ll << 30;

@@ -27,10 +27,8 @@ class WireWriter {
   explicit WireWriter(std::span<std::byte> block = {}) : block_(block) {}
 
   template <class Number>
-    requires std::is_arithmetic_v<Number>
-  void number(const Number& value) {
-    append(&value, sizeof value);
-  }
+  requires std::is_arithmetic_v<Number>
+  void number(const Number& value) { append(&value, sizeof value); }
   // An enumerator of 0 .. `last`.
   template <class Enum>
   void choice(const Enum& value, Enum) {
@@ -39,7 +37,7 @@ class WireWriter {
   // Cut off at `most_bytes`.
   void text(const std::string& value, std::size_t most_bytes);
   template <class Element>
-    requires std::is_trivially_copyable_v<Element>
+  requires std::is_trivially_copyable_v<Element>
   void array(const std::vector<Element>& values) {
     number(std::uint64_t(values.size()));
     put_in_block(std::as_bytes(std::span(values)));
@@ -70,7 +68,7 @@ class WireReader {
       : bytes_(bytes), block_fd_(block_fd), block_bytes_(block_bytes) {}
 
   template <class Number>
-    requires std::is_arithmetic_v<Number>
+  requires std::is_arithmetic_v<Number>
   void number(Number& value) {
     value = {};
     if (const char* from = take(sizeof value)) std::memcpy(&value, from, sizeof value);
@@ -84,7 +82,7 @@ class WireReader {
   }
   void text(std::string& value, std::size_t most_bytes);
   template <class Element>
-    requires std::is_trivially_copyable_v<Element>
+  requires std::is_trivially_copyable_v<Element>
   void array(std::vector<Element>& values) {
     const std::size_t count = array_count(sizeof(Element));
     values.reserve(count);

@@ -47,12 +47,8 @@ std::optional<std::string> answer(const Message& message, std::span<const JobRow
     reply.error = error;
   } catch (const std::bad_alloc&) {
     reply.failed = true;
-    reply.error = {ErrorCode::kUnprocessable,
-                   "the file needs more memory than a decoder may use",
-                   {},
-                   {},
-                   {},
-                   {}};
+    reply.error = {
+        ErrorCode::kUnprocessable, "the file needs more memory than a decoder may use", {}, {}, {}, {}};
   }
   WireWriter head;
   fields(head, reply);

@@ -27,8 +27,8 @@ namespace {
 constexpr int kSocketOfChild = 3;
 
 // What a program needs to start. Nothing else of our environment, which may hold what is secret.
-constexpr std::array<std::string_view, 4> kInherited = {"LD_LIBRARY_PATH=", "ASAN_OPTIONS=", "TSAN_OPTIONS=",
-                                                        "UBSAN_OPTIONS="};
+constexpr std::array<std::string_view, 4> kInherited = {
+    "LD_LIBRARY_PATH=", "ASAN_OPTIONS=", "TSAN_OPTIONS=", "UBSAN_OPTIONS="};
 
 std::vector<char*> inherited_environment() {
   std::vector<char*> kept;

@@ -79,8 +79,9 @@ void print_table(const gl::DoctorReport& report, const std::string& decoders_pro
 }  // namespace
 
 Command doctor_command(CLI::App& root) {
-  CLI::App* options =
-      root.add_subcommand("doctor", "Tries every EGL device and the decoders' sandbox, says what works and how to mend what does not");
+  CLI::App* options = root.add_subcommand(
+      "doctor",
+      "Tries every EGL device and the decoders' sandbox, says what works and how to mend what does not");
   const auto json = std::make_shared<bool>(false);
   options->add_flag("--json", *json, "print JSON");
   return {options, [json] {

@@ -11,20 +11,20 @@
 namespace furnace::decode::test {
 
 enum class Deed : std::uint8_t {
-  kReverse,           // the file backwards: an honest one
-  kSpin,              // the same after `number` milliseconds
-  kTellPid,           // the child's process id as text
-  kTellEnvironment,   // its environment variables
-  kTellDescriptors,   // the numbers of its open descriptors, but the socket's
-  kRefuse,            // an Error that a file may earn
-  kBlameUs,           // an Error that none may earn
-  kThrowForeign,      // an exception of a library
+  kReverse,          // the file backwards: an honest one
+  kSpin,             // the same after `number` milliseconds
+  kTellPid,          // the child's process id as text
+  kTellEnvironment,  // its environment variables
+  kTellDescriptors,  // the numbers of its open descriptors, but the socket's
+  kRefuse,           // an Error that a file may earn
+  kBlameUs,          // an Error that none may earn
+  kThrowForeign,     // an exception of a library
   kSegfault,
   kAbort,
   kOverflowStack,
   kExit,
-  kAllocate,          // without bound
-  kAllocateShared,    // memory that no limit counts
+  kAllocate,        // without bound
+  kAllocateShared,  // memory that no limit counts
   kOpenFile,
   kOpenSocket,
   kFork,
@@ -34,13 +34,13 @@ enum class Deed : std::uint8_t {
   kMakeCode,
   kSignalParent,
   kRaiseLimits,
-  kWriteElsewhere,    // to a descriptor other than the socket
-  kSayNothingMore,    // closes the socket and goes on
-  kSayNoise,          // an answer that is none
-  kSayOtherSerial,    // the answer to another question
+  kWriteElsewhere,  // to a descriptor other than the socket
+  kSayNothingMore,  // closes the socket and goes on
+  kSayNoise,        // an answer that is none
+  kSayOtherSerial,  // the answer to another question
   kClaimHugeArray,
   kClaimLongText,
-  kUnsound,           // a result that `accepts` does not take
+  kUnsound,  // a result that `accepts` does not take
   kLast = kUnsound
 };
 

@@ -66,8 +66,7 @@ void allocate() {
 
 void allocate_shared() {
   for (;;) {
-    void* memory =
-        ::mmap(nullptr, 16 << 20, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    void* memory = ::mmap(nullptr, 16 << 20, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (memory == MAP_FAILED) std::abort();
     std::memset(memory, 1, 16 << 20);
   }

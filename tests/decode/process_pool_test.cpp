@@ -117,18 +117,18 @@ TEST(ProcessPool, ABreakdownCostsOneRequest) {
   // A sanitizer makes its own ends of these; before it aborts, a program may write where it has no file.
   const char* const fault = kSanitized ? "" : "signal 11 ";
   const char* const abort = kSanitized ? "" : "signal ";
-  for (const Case& c : {Case{Deed::kSegfault, fault}, Case{Deed::kOverflowStack, fault},
-                        Case{Deed::kAbort, abort}, Case{Deed::kThrowForeign, abort},
-                        Case{Deed::kExit, "exit status 0"}})
+  for (const Case& c :
+       {Case{Deed::kSegfault, fault}, Case{Deed::kOverflowStack, fault}, Case{Deed::kAbort, abort},
+        Case{Deed::kThrowForeign, abort}, Case{Deed::kExit, "exit status 0"}})
     expect_one_request_lost(pool, c);
 }
 
 TEST(ProcessPool, ALieCostsOneRequest) {
   constexpr const char* kNonsense = "an answer that makes no sense";
-  for (const Case& c :
-       {Case{Deed::kSayNoise, kNonsense}, Case{Deed::kSayOtherSerial, kNonsense},
-        Case{Deed::kClaimHugeArray, kNonsense}, Case{Deed::kClaimLongText, kNonsense},
-        Case{Deed::kUnsound, kNonsense}, Case{Deed::kBlameUs, kNonsense}, Case{Deed::kSayNothingMore, "signal 9 "}}) {
+  for (const Case& c : {Case{Deed::kSayNoise, kNonsense}, Case{Deed::kSayOtherSerial, kNonsense},
+                        Case{Deed::kClaimHugeArray, kNonsense}, Case{Deed::kClaimLongText, kNonsense},
+                        Case{Deed::kUnsound, kNonsense}, Case{Deed::kBlameUs, kNonsense},
+                        Case{Deed::kSayNothingMore, "signal 9 "}}) {
     ProcessPool pool(config_of(1));  // the lies are about its first job
     expect_one_request_lost(pool, c);
   }
@@ -191,8 +191,7 @@ TEST(ProcessPool, TheRequestsEndEndsTheJob) {
     std::this_thread::sleep_for(milliseconds(50));
     client.request_stop();
   });
-  const Error gone =
-      error_of(pool, Deed::kSpin, Deadline(milliseconds(60'000), client.get_token()), 60'000);
+  const Error gone = error_of(pool, Deed::kSpin, Deadline(milliseconds(60'000), client.get_token()), 60'000);
   leaving.join();
   EXPECT_EQ(gone.code, ErrorCode::kDeadlineExceeded);
   EXPECT_THAT(gone.message, HasSubstr("cancelled"));
@@ -203,9 +202,8 @@ TEST(ProcessPool, TheRequestsEndEndsTheJob) {
 TEST(ProcessPool, WhoWaitsForAChildHasADeadlineToo) {
   ProcessPool pool(config_of(1));
   std::stop_source enough;
-  std::thread busy([&] {
-    error_of(pool, Deed::kSpin, Deadline(milliseconds(60'000), enough.get_token()), 60'000);
-  });
+  std::thread busy(
+      [&] { error_of(pool, Deed::kSpin, Deadline(milliseconds(60'000), enough.get_token()), 60'000); });
   std::string reason;
   while (reason.find("waiting for a decoder") == std::string::npos) {
     try {

@@ -87,7 +87,8 @@ TEST(Wire, NoiseIsNeverAccepted) {
   };
   EXPECT_TRUE(judge(sent.bytes));
   EXPECT_FALSE(judge(sent.bytes + '\0'));
-  for (std::size_t size = 0; size < sent.bytes.size(); ++size) EXPECT_FALSE(judge(sent.bytes.substr(0, size)));
+  for (std::size_t size = 0; size < sent.bytes.size(); ++size)
+    EXPECT_FALSE(judge(sent.bytes.substr(0, size)));
   std::mt19937 random(1);
   for (int i = 0; i < 20'000; ++i) {
     std::string bytes = sent.bytes;
@@ -113,9 +114,15 @@ TEST(Jobs, ATextureMustBeWhatWasAskedFor) {
   EXPECT_TRUE(job.accepts(good));
   const std::function<void(Image&)> lies[] = {
       [](Image& image) { image.extent.width = 0; },
-      [](Image& image) { image.extent = {-8, -4}; },
-      [](Image& image) { image.extent = {17, 1}; },
-      [](Image& image) { image = make_image({16, 8}, 4, SampleType::kUint16, ColorSpace::kSrgb); },
+      [](Image& image) {
+        image.extent = {-8, -4};
+      },
+      [](Image& image) {
+        image.extent = {17, 1};
+      },
+      [](Image& image) {
+        image = make_image({16, 8}, 4, SampleType::kUint16, ColorSpace::kSrgb);
+      },
       [](Image& image) { image.channels = 0; },
       [](Image& image) { image.channels = 5; },
       [](Image& image) { image.channels = 3; },
@@ -146,7 +153,9 @@ TEST(Jobs, AnEnvironmentMustBeLight) {
     EXPECT_FALSE(job.accepts(environment)) << value;
   }
   const std::function<void(DecodedEnvironment&)> lies[] = {
-      [](DecodedEnvironment& e) { e.equirect.extent = {2, 4}; },
+      [](DecodedEnvironment& e) {
+        e.equirect.extent = {2, 4};
+      },
       [](DecodedEnvironment& e) { e.equirect.channels = 4; },
       [](DecodedEnvironment& e) { e.equirect.type = SampleType::kUint8; },
       [](DecodedEnvironment& e) { e.equirect.color_space = ColorSpace::kSrgb; },

@@ -39,7 +39,8 @@ constexpr Configuration kUncached{"uncached", 1024, 0};
 class Door {
  public:
   explicit Door(const Configuration& configuration)
-      : renderer_(config_of(configuration), pool_, decode::in_process_decoder()), service_(renderer_, admission_, pool_) {}
+      : renderer_(config_of(configuration), pool_, decode::in_process_decoder()),
+        service_(renderer_, admission_, pool_) {}
 
   std::string render(const std::string& request) {
     const AssetResolver assets(files_, {}, {});
