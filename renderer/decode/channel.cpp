@@ -114,8 +114,10 @@ std::optional<Message> receive_message(int socket, std::size_t most_descriptors)
 
 Mapping::Mapping(int fd, std::size_t bytes, Access access) {
   if (bytes == 0) return;
-  const int protection = access == Access::kRead ? PROT_READ : PROT_READ | PROT_WRITE;
-  void* begin = ::mmap(nullptr, bytes, protection, MAP_SHARED, fd, 0);
+  const bool reads = access == Access::kRead;
+  // Before Linux 6.7 what is sealed against writing cannot be mapped shared, not even to read.
+  void* begin = ::mmap(nullptr, bytes, reads ? PROT_READ : PROT_READ | PROT_WRITE,
+                       reads ? MAP_PRIVATE : MAP_SHARED, fd, 0);
   there_ = begin != MAP_FAILED;
   if (there_) bytes_ = {static_cast<std::byte*>(begin), bytes};
 }

@@ -102,7 +102,7 @@ void ProcessPool::retire(WorkerPointer worker) {
   worker.reset();
   const std::lock_guard lock(mutex_);
   --alive_;
-  changed_.notify_one();
+  changed_.notify_all();  // some wait for a child, some for the time when one may be started
 }
 
 std::string ProcessPool::bury(WorkerPointer worker) {

@@ -1,5 +1,6 @@
 #include "renderer/decode/sandbox.hpp"
 
+#include <fcntl.h>
 #include <seccomp.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -9,9 +10,12 @@
 
 #include <initializer_list>
 #include <memory>
+#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
+
+#include "renderer/base/descriptor.hpp"
 
 namespace furnace::decode {
 namespace {
@@ -51,6 +55,13 @@ std::string limit_resources(const SandboxLimits& limits) {
   add(RLIMIT_DATA, memory, "RLIMIT_DATA");
   add(RLIMIT_AS, memory + kMostSharedBytes, "RLIMIT_AS");
   return problem;
+}
+
+// Where memory is short the system should end this process, not the server. It is a wish: who cannot tell it goes on.
+void volunteer_for_oom() {
+  constexpr std::string_view kSooner = "500";
+  const Descriptor file(::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC));
+  if (file.is_open() && ::write(file.get(), kSooner.data(), kSooner.size()) < 0) return;
 }
 
 std::string give_up_privileges() {
@@ -117,7 +128,7 @@ std::string filter_calls(int socket) {
 std::string enter_sandbox(int socket, const SandboxLimits& limits) {
   // Who stops a whole group of processes means the parent, which lets its work end.
   for (const int number : {SIGTERM, SIGINT, SIGHUP, SIGQUIT}) ::signal(number, SIG_IGN);
-  if (::close_range(unsigned(socket) + 1, ~0u, 0) != 0) return problem_of("close_range", errno);
+  volunteer_for_oom();
   std::string problem = limit_resources(limits);
   if (problem.empty()) problem = give_up_privileges();
   // The filter is worth having even where something else is missing.
