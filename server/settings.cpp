@@ -90,7 +90,7 @@ constexpr std::array kSettings = {
     number("decoder-timeout", &Config::decoder_timeout_ms, Unit::kDuration, 1, 3600 * kSecond,
            "time of one image; more is 422"),
     number("decoder-memory", &Config::decoder_memory_bytes, Unit::kBytes, 64 * kMiB, 1024 * kGiB,
-           "memory of one child, beside the file and the decoded image; more is 422"),
+           "memory of one child while it decodes; more is 422"),
     number("decoder-jobs", &Config::decoder_jobs, Unit::kCount, 1, 1'000'000'000,
            "images after which a child is replaced; 1: a child for each"),
     number("decoder-bytes", &Config::decoder_bytes, Unit::kBytes, 1, 1024 * kGiB,
