@@ -86,7 +86,7 @@ class Filter {
                                       conditions.begin());
   }
   std::string load() {
-    if (!context_) return "there is no memory for a system call filter";
+    if (!context_) return "this system has no system call filters (seccomp)";
     if (fault_ == 0) fault_ = ::seccomp_load(context_.get());
     return fault_ == 0 ? std::string() : problem_of("system call filter", -fault_);
   }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "renderer/base/log.hpp"
 #include "renderer/gl/context.hpp"
 #include "api/document.hpp"
 #include "server/commands/commands.hpp"
@@ -21,6 +22,7 @@ std::string json_text(std::string_view text) {
 
 // What the system does not allow to take from a child that decodes; empty: nothing.
 std::string sandbox_problem() {
+  log::set_level(log::Level::kError);  // it is told below
   Config config;
   config.decoders = 1;
   try {
