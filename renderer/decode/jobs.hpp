@@ -48,28 +48,39 @@ struct EnvironmentJob {
 // Whether it has the shape that the limits allow, and as many bytes as that shape needs.
 bool is_whole(const Image& image, const DecodeLimits& limits);
 
+// Bindings name every member: a type that grows does not compile until its new member has a place here.
+
 template <class Wire>
 void fields(Wire& wire, WireValue<Wire, DecodeLimits>& limits) {
-  wire.number(limits.max_side_px);
-  wire.number(limits.max_area_px);
+  auto& [max_side_px, max_area_px] = limits;
+  wire.number(max_side_px);
+  wire.number(max_area_px);
 }
 
 template <class Wire>
 void fields(Wire& wire, WireValue<Wire, Image>& image) {
-  wire.number(image.extent.width);
-  wire.number(image.extent.height);
-  wire.number(image.channels);
-  wire.choice(image.type, SampleType::kFloat32);
-  wire.choice(image.color_space, ColorSpace::kNonColor);
-  wire.array(image.pixels);
+  auto& [extent, channels, type, color_space, pixels] = image;
+  wire.number(extent.width);
+  wire.number(extent.height);
+  wire.number(channels);
+  wire.choice(type, SampleType::kFloat32);
+  wire.choice(color_space, ColorSpace::kNonColor);
+  wire.array(pixels);
+}
+
+template <class Wire>
+void fields(Wire& wire, WireValue<Wire, RepairReport>& repairs) {
+  auto& [nan_samples, infinite_samples, negative_samples] = repairs;
+  wire.number(nan_samples);
+  wire.number(infinite_samples);
+  wire.number(negative_samples);
 }
 
 template <class Wire>
 void fields(Wire& wire, WireValue<Wire, DecodedEnvironment>& environment) {
-  fields(wire, environment.equirect);
-  wire.number(environment.repairs.nan_samples);
-  wire.number(environment.repairs.infinite_samples);
-  wire.number(environment.repairs.negative_samples);
+  auto& [equirect, repairs] = environment;
+  fields(wire, equirect);
+  fields(wire, repairs);
 }
 
 template <class Wire>

@@ -17,6 +17,7 @@
 
 #include <fmt/format.h>
 
+#include "renderer/base/check.hpp"
 #include "renderer/decode/channel.hpp"
 
 extern char** environ;
@@ -161,10 +162,12 @@ Outcome WorkerProcess::exchange(const Task& task, Clock::time_point until, const
   fields(head, Request{kMagic, task.kind, ++serial_, task.file.size(), std::uint64_t(task.block_bytes)});
   ++jobs_;
   bytes_ += std::int64_t(task.file.size());
+  const std::string request = head.bytes() + task.arguments;
+  FURNACE_CHECK(request.size() < kMostMessageBytes, "{} bytes of arguments", request.size());
+  const std::array<int, 2> descriptors = {file.get(), block.get()};
   // A cancelled request ends the wait by ending the child.
   const std::stop_callback on_cancel(cancel, [this] { ::kill(pid_, SIGKILL); });
-  const std::array<int, 2> descriptors = {file.get(), block.get()};
-  const bool sent = send_message(socket_.get(), head.bytes() + task.arguments, descriptors);
+  const bool sent = send_message(socket_.get(), request, descriptors);
   if (cancel.stop_requested()) return {Outcome::Kind::kOutOfTime};
   if (!sent) return {Outcome::Kind::kUnsent};
   if (!wait_for_message(until)) return {Outcome::Kind::kOutOfTime};

@@ -30,7 +30,7 @@ struct WorkerCommand {
 struct Task {
   JobKind kind{};
   std::string_view name;  // of the job, for the log
-  std::string arguments;
+  std::string arguments;  // with the request's own fields less than kMostMessageBytes
   Bytes file;
   std::int64_t block_bytes = 0;  // the largest result
   // Reads the result and judges it: false for one that no honest decoder gives. Runs on the caller's thread.
