@@ -35,10 +35,10 @@ std::vector<EnvironmentMap> EnvironmentBake::list() const {
 }
 
 EnvironmentBake bake_whole_environment(const Blob& encoded, const EnvironmentBakeSettings& settings,
-                                       WorkerPool& pool, const Deadline& deadline) {
+                                       WorkerPool& pool, Decoder& decoder, const Deadline& deadline) {
   EnvironmentBake bake;
   const Clock::time_point decode_start = Clock::now();
-  DecodedEnvironment decoded = decode_environment(encoded, settings.limits);
+  DecodedEnvironment decoded = decoder.environment(encoded, settings.limits, deadline);
   bake.decode_ms = ms_since(decode_start);
   bake.repairs = decoded.repairs;
   bake.size = decoded.equirect.extent;

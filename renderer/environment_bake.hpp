@@ -11,6 +11,7 @@
 #include "renderer/ibl/baked_environment.hpp"
 #include "renderer/ibl/suns.hpp"
 #include "renderer/image/decode.hpp"
+#include "renderer/scene/decoder.hpp"
 #include "renderer/scene/render_spec.hpp"
 
 namespace furnace {
@@ -45,8 +46,8 @@ struct EnvironmentBake {
   std::vector<EnvironmentMap> list() const;
 };
 
-// Decodes and bakes. Errors: those of decode_environment; kDeadlineExceeded. Threads: any.
+// Decodes and bakes. Errors: those of Decoder::environment; kDeadlineExceeded. Threads: any.
 EnvironmentBake bake_whole_environment(const Blob& encoded, const EnvironmentBakeSettings& settings,
-                                       WorkerPool& pool, const Deadline& deadline);
+                                       WorkerPool& pool, Decoder& decoder, const Deadline& deadline);
 
 }  // namespace furnace

@@ -37,9 +37,10 @@ std::vector<Note> repair_notes(const RepairReport& repairs) {
 
 }  // namespace
 
-EnvironmentStore::EnvironmentStore(const RendererConfig& config, WorkerPool& pool)
+EnvironmentStore::EnvironmentStore(const RendererConfig& config, WorkerPool& pool, Decoder& decoder)
     : limits_(config.environment),
       pool_(pool),
+      decoder_(decoder),
       baked_(config.bake_cache_bytes,
              [](const StoredBake& bake) { return std::int64_t(bake.environment.byte_size()); }),
       backgrounds_(config.background_cache_bytes,
@@ -49,7 +50,7 @@ EnvironmentStore::EnvironmentStore(const RendererConfig& config, WorkerPool& poo
                       : std::make_unique<BakeStore>(config.data_folder, config.disk_cache_bytes)) {}
 
 DecodedEnvironment EnvironmentStore::decode(const EnvironmentMapSpec& map, const char* pointer,
-                                            StageTimes& times) const {
+                                            const Deadline& deadline, StageTimes& times) const {
   const Stopwatch watch(times.decode_ms);
   if (const auto* builtin = std::get_if<BuiltinName>(&map)) {
     auto image = builtin_environment(builtin->name);
@@ -61,7 +62,7 @@ DecodedEnvironment EnvironmentStore::decode(const EnvironmentMapSpec& map, const
   }
   if (const auto* file = std::get_if<EnvironmentFile>(&map)) {
     try {
-      return decode_environment(file->bytes, limits_);
+      return decoder_.environment(file->bytes, limits_, deadline);
     } catch (Error& error) {
       error.pointer = pointer;
       throw;
@@ -74,7 +75,7 @@ DecodedEnvironment EnvironmentStore::decode(const EnvironmentMapSpec& map, const
 
 StoredBake EnvironmentStore::bake(const EnvironmentMapSpec& map, bool extracts_suns, const ContentHash& key,
                                   const Deadline& deadline, StageTimes& times) const {
-  DecodedEnvironment decoded = decode(map, "/environment/map", times);
+  DecodedEnvironment decoded = decode(map, "/environment/map", deadline, times);
   const Stopwatch watch(times.bake_ms);
   StoredBake made{prepare_environment(std::move(decoded.equirect), extracts_suns, key, pool_, deadline),
                   repair_notes(decoded.repairs)};
@@ -115,7 +116,7 @@ std::shared_ptr<const PreparedSky> EnvironmentStore::background(const Environmen
                                                                 StageTimes& times) {
   const ContentHash key = HashBuilder().add("background").add(map_key(map)).add(blur_rad).finish();
   return backgrounds_.get_or_load(key, deadline, [&] {
-    const Image radiance = decode(map, "/environment/background/map", times).equirect;
+    const Image radiance = decode(map, "/environment/background/map", deadline, times).equirect;
     const Stopwatch watch(times.bake_ms);
     if (blur_rad == 0) return prepare_sky(radiance, key, pool_);
     return prepare_sky(blurred_environment(radiance, blur_rad, pool_, deadline), key, pool_);

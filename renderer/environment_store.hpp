@@ -7,14 +7,15 @@
 #include "renderer/base/budget_cache.hpp"
 #include "renderer/base/worker_pool.hpp"
 #include "renderer/renderer.hpp"
+#include "renderer/scene/decoder.hpp"
 
 namespace furnace {
 
 // Threads: any. Owns: the caches of baked environments and of backgrounds.
 class EnvironmentStore {
  public:
-  // `pool` outlives it.
-  EnvironmentStore(const RendererConfig& config, WorkerPool& pool);
+  // `pool` and `decoder` outlive it.
+  EnvironmentStore(const RendererConfig& config, WorkerPool& pool, Decoder& decoder);
 
   // From memory, from disk, or baked. Adds to decode_ms and bake_ms of `times`. Errors: those of decoding and baking, with the
   // pointer /environment/map.
@@ -26,12 +27,14 @@ class EnvironmentStore {
                                                 const Deadline& deadline, StageTimes& times);
 
  private:
-  DecodedEnvironment decode(const EnvironmentMapSpec& map, const char* pointer, StageTimes& times) const;
+  DecodedEnvironment decode(const EnvironmentMapSpec& map, const char* pointer, const Deadline& deadline,
+                            StageTimes& times) const;
   StoredBake bake(const EnvironmentMapSpec& map, bool extracts_suns, const ContentHash& key,
                   const Deadline& deadline, StageTimes& times) const;
 
   const DecodeLimits limits_;
   WorkerPool& pool_;
+  Decoder& decoder_;
   BudgetCache<StoredBake> baked_;
   BudgetCache<PreparedSky> backgrounds_;
   std::unique_ptr<BakeStore> bake_store_;  // null without a data folder

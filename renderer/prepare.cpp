@@ -76,11 +76,12 @@ double half_scale(double peak) {
 
 }  // namespace
 
-PreparedPixels prepare_texture(const Blob& encoded, ColorSpace color_space, const std::string& pointer,
-                               const DecodeLimits& limits) {
+PreparedPixels prepare_texture(Decoder& decoder, const Blob& encoded, ColorSpace color_space,
+                               const std::string& pointer, const DecodeLimits& limits,
+                               const Deadline& deadline) {
   PreparedPixels prepared;
   try {
-    DecodedTexture decoded = decode_texture(encoded, color_space, limits);
+    DecodedTexture decoded = decoder.texture(encoded, color_space, limits, deadline);
     prepared.lowest_green = 1;
     for (Image& level : decoded.levels) {
       prepared.levels.push_back(to_uploadable(std::move(level), color_space));

@@ -7,6 +7,7 @@
 #include "renderer/base/worker_pool.hpp"
 #include "renderer/image/decode.hpp"
 #include "renderer/residency/prepared_scene.hpp"
+#include "renderer/scene/decoder.hpp"
 
 namespace furnace {
 
@@ -16,9 +17,10 @@ struct PreparedPixels {
   std::vector<Note> notes;  // where it is not shown as stored: white stands in for a format that is not read
 };
 
-// Errors: kUnprocessable for damaged bytes and kTooLarge over the limits, both with `pointer` (into the model).
-PreparedPixels prepare_texture(const Blob& encoded, ColorSpace color_space, const std::string& pointer,
-                               const DecodeLimits& limits);
+// Errors: kUnprocessable for damaged bytes and kTooLarge over the limits, with `pointer` (into the model); kDeadlineExceeded.
+PreparedPixels prepare_texture(Decoder& decoder, const Blob& encoded, ColorSpace color_space,
+                               const std::string& pointer, const DecodeLimits& limits,
+                               const Deadline& deadline);
 
 // `radiance`: RGB kFloat32 equirect.
 PreparedSky prepare_sky(const Image& radiance, const ContentHash& key, WorkerPool& pool);

@@ -116,13 +116,13 @@ std::string Fingerprint::text() const {
 }
 
 struct Renderer::State {
-  State(const RendererConfig& config, WorkerPool& pool)
+  State(const RendererConfig& config, WorkerPool& pool, Decoder& decoder)
       : resident(std::make_shared<ResidentKeys>()),
         gl_thread("gl-0",
                   [world_config = RenderWorldConfig{config.gl, config.shader_dir, config.gpu_cache_bytes},
                    keys = resident] { return std::make_unique<RenderWorld>(world_config, keys); }),
         limits(gl_thread.call(Deadline(), [](RenderWorld& world) { return world.context().limits(); })),
-        scenes(within(limits, config), pool, resident),
+        scenes(within(limits, config), pool, decoder, resident),
         max_tile_px(config.max_tile_px) {}
 
   static RendererConfig within(const gl::Limits& limits, RendererConfig config) {
@@ -138,8 +138,8 @@ struct Renderer::State {
   Fingerprint fingerprint;
 };
 
-Renderer::Renderer(const RendererConfig& config, WorkerPool& pool)
-    : state_(std::make_unique<State>(config, pool)) {
+Renderer::Renderer(const RendererConfig& config, WorkerPool& pool, Decoder& decoder)
+    : state_(std::make_unique<State>(config, pool, decoder)) {
   state_->fingerprint.build = config.build_id;
   state_->gl_thread.call(Deadline(), [&](RenderWorld& world) {
     state_->fingerprint.gl = world.context().renderer() + " / " + world.context().version();

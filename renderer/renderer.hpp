@@ -18,6 +18,7 @@
 
 namespace furnace {
 
+class Decoder;
 class WorkerPool;
 
 struct RendererConfig {
@@ -70,8 +71,8 @@ struct Fingerprint {
 // Threads: any. Owns: the GL thread and every cache behind it.
 class Renderer {
  public:
-  // Builds the GL context; fails with kGpuUnavailable. `pool` must outlive it.
-  Renderer(const RendererConfig& config, WorkerPool& pool);
+  // Builds the GL context; fails with kGpuUnavailable. `pool` and `decoder` must outlive it.
+  Renderer(const RendererConfig& config, WorkerPool& pool, Decoder& decoder);
   ~Renderer();
 
   // Errors: those of import, decode, bake, framing; kDeadlineExceeded; kGpuUnavailable.

@@ -76,14 +76,16 @@ std::vector<LightDirection> light_on_ground(const PreparedScene& scene, double r
 
 }  // namespace
 
-SceneStore::SceneStore(const RendererConfig& config, WorkerPool& pool, std::shared_ptr<ResidentKeys> resident)
+SceneStore::SceneStore(const RendererConfig& config, WorkerPool& pool, Decoder& decoder,
+                       std::shared_ptr<ResidentKeys> resident)
     : config_(config),
       pool_(pool),
+      decoder_(decoder),
       resident_(std::move(resident)),
       imports_(config.scene_cache_bytes, [](const Scene& scene) { return std::int64_t(scene.byte_size()); }),
       compositions_(config.scene_cache_bytes,
                     [](const ComposedScene& scene) { return std::int64_t(scene.byte_size()); }),
-      environments_(config, pool) {}
+      environments_(config, pool, decoder) {}
 
 std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, const Deadline& deadline,
                                                          bool& hit) {
@@ -102,7 +104,8 @@ std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, 
         key.add(spec_hash(animated));
         const auto model = imports_.get_or_load(key.finish(), deadline, [&] {
           return with_context("/scene/model", [&] {
-            return import_gltf(*spec.model, ImportOptions{spec.gltf_scene, spec.variant, spec.animations},
+            return import_gltf(decoder_, *spec.model,
+                               ImportOptions{spec.gltf_scene, spec.variant, spec.animations},
                                config_.import, deadline);
           });
         });
@@ -137,8 +140,8 @@ void SceneStore::prepare_occluders(PreparedScene& out) {
   });
 }
 
-void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, std::vector<Note>& notes,
-                                  bool& hit) {
+void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, const Deadline& deadline,
+                                  std::vector<Note>& notes, bool& hit) {
   struct Wanted {
     const SceneImage* image;
     ColorSpace color_space;
@@ -169,8 +172,8 @@ void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, std::v
       texture_notes[i] = texture_notes_.recall(out.textures[i].key, texture.image->pointer);
       return;
     }
-    PreparedPixels prepared =
-        prepare_texture(texture.image->encoded, texture.color_space, texture.image->pointer, config_.texture);
+    PreparedPixels prepared = prepare_texture(decoder_, texture.image->encoded, texture.color_space,
+                                              texture.image->pointer, config_.texture, deadline);
     out.textures[i].levels = std::make_shared<const std::vector<Image>>(std::move(prepared.levels));
     out.textures[i].lowest_green = prepared.lowest_green;
     texture_notes_.remember(out.textures[i].key, prepared.notes);
@@ -291,7 +294,7 @@ Preparation SceneStore::prepare(const RenderSpec& spec, const Deadline& deadline
     out.scene.bounds = out.composed->bounds;
     prepare_meshes(out);
     check_deadline(deadline, "decode");
-    prepare_textures(out.scene, scene, out.notes, times.decode_hit);
+    prepare_textures(out.scene, scene, deadline, out.notes, times.decode_hit);
   }
   check_deadline(deadline, "bake");
   prepare_environment(spec, deadline, times, out);

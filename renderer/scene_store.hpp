@@ -22,7 +22,9 @@ struct Preparation {
 // Threads: any. Owns: the caches of parsed and composed scenes, and the environments.
 class SceneStore {
  public:
-  SceneStore(const RendererConfig& config, WorkerPool& pool, std::shared_ptr<ResidentKeys> resident);
+  // `pool` and `decoder` outlive it.
+  SceneStore(const RendererConfig& config, WorkerPool& pool, Decoder& decoder,
+             std::shared_ptr<ResidentKeys> resident);
 
   // Decodes what is neither cached nor on the GPU. Adds to decode_ms and bake_ms of `times`.
   // Errors: those of import, composition, decoding and baking, with pointers into the request or the model.
@@ -35,13 +37,15 @@ class SceneStore {
   std::shared_ptr<const ComposedScene> compose(const SceneSpec& spec, const Deadline& deadline, bool& hit);
   void prepare_meshes(Preparation& out);
   void prepare_occluders(PreparedScene& out);
-  void prepare_textures(PreparedScene& out, const Scene& scene, std::vector<Note>& notes, bool& hit);
+  void prepare_textures(PreparedScene& out, const Scene& scene, const Deadline& deadline,
+                        std::vector<Note>& notes, bool& hit);
   void prepare_environment(const RenderSpec& spec, const Deadline& deadline, StageTimes& times,
                            Preparation& out);
   void prepare_ground(const RenderSpec& spec, StageTimes& times, Preparation& out);
 
   const RendererConfig config_;
   WorkerPool& pool_;
+  Decoder& decoder_;
   std::shared_ptr<ResidentKeys> resident_;
   BudgetCache<Scene> imports_;
   BudgetCache<ComposedScene> compositions_;

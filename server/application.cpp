@@ -101,12 +101,13 @@ api::RequestLimits request_limits(const Config& config) {
 
 Engine::Engine(const Config& config, std::vector<std::filesystem::path> file_roots)
     : pool_(cpu_threads(config)),
-      renderer(renderer_config(config), pool_),
+      decoders(config),
+      renderer(renderer_config(config), pool_, decoders.decoder()),
       admission(seats(config), config.queue),
       files(std::move(file_roots), config.file_cache_bytes, config.max_file_bytes),
       environments([this](const EnvironmentSpec& spec,
                           const Deadline& deadline) { return renderer.environment(spec, deadline); },
-                   admission, pool_, registry_config(config)),
+                   admission, pool_, decoders.decoder(), registry_config(config)),
       service(renderer, admission, pool_) {}
 
 Application::Application(const Config& config)
@@ -122,7 +123,8 @@ Application::Application(const Config& config)
              readiness_,
              metrics_,
              capabilities(config_, engine_.renderer),
-             config_.max_parts},
+             config_.max_parts,
+             engine_.decoders.processes()},
       public_dispatcher_(public_routes(doors_, config_.admin_listen.empty()), metrics_),
       admin_dispatcher_(operation_routes(doors_, true), metrics_),
       admin_server_(

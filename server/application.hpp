@@ -10,6 +10,7 @@
 #include "renderer/renderer.hpp"
 #include "server/admission.hpp"
 #include "server/config.hpp"
+#include "server/decoders.hpp"
 #include "server/dispatcher.hpp"
 #include "server/environment_registry.hpp"
 #include "server/http_server.hpp"
@@ -20,16 +21,17 @@
 namespace furnace {
 
 // Everything that draws, without a door: the command line needs no more.
-// Threads: any. Owns: the CPU threads, the GL thread and their caches.
+// Threads: any. Owns: the CPU threads, the decoders, the GL thread and its caches.
 class Engine {
  public:
-  // Errors: kGpuUnavailable. gl::apply_determinism must have been called.
+  // Errors: kGpuUnavailable; those of Decoders. gl::apply_determinism must have been called.
   Engine(const Config& config, std::vector<std::filesystem::path> file_roots);
 
  private:
   WorkerPool pool_;
 
  public:
+  Decoders decoders;
   Renderer renderer;
   Admission admission;
   FileAssets files;
@@ -40,7 +42,7 @@ class Engine {
 // The server. Threads: one owner. Owns: everything.
 class Application {
  public:
-  // Builds all and binds, so that what cannot work fails here. Errors: kGpuUnavailable, kUnprocessable (an
+  // Builds all and binds, so that what cannot work fails here. Errors: those of Engine, kUnprocessable (an
   // address).
   explicit Application(const Config& config);
 

@@ -38,6 +38,13 @@ struct Config {
   int max_samples = 64;
   std::int64_t max_layer_bytes = 512ll << 20;
 
+  std::string decoder_sandbox = "prefer";
+  int decoders = 0;                          // 0: one per core
+  std::int64_t decoder_timeout_ms = 20'000;  // of one file
+  std::int64_t decoder_memory_bytes = 2048ll << 20;
+  int decoder_jobs = 200;
+  std::int64_t decoder_bytes = 4096ll << 20;
+
   int max_connections = 256;           // waiting for a thread; those beyond are refused
   std::int64_t keep_alive_ms = 1'000;  // an idle connection holds a thread
   std::int64_t header_timeout_ms = 5'000;

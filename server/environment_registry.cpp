@@ -16,10 +16,11 @@ std::int64_t bytes_of(const EnvironmentBake& bake) {
 }  // namespace
 
 EnvironmentRegistry::EnvironmentRegistry(Baker baker, Admission& admission, WorkerPool& pool,
-                                         RegistryConfig config)
+                                         Decoder& decoder, RegistryConfig config)
     : baker_(std::move(baker)),
       admission_(admission),
       pool_(pool),
+      decoder_(decoder),
       limits_(config.limits),
       files_(std::move(config.folder), config.files_bytes),
       maps_(config.maps_bytes, bytes_of) {}
@@ -66,7 +67,7 @@ std::string EnvironmentRegistry::map_exr(const std::string& name, const std::str
   const auto bake = maps_.get_or_load(file.hash(), deadline, [&] {
     EnvironmentBakeSettings settings;
     settings.limits = limits_;
-    return bake_whole_environment(file, settings, pool_, deadline);
+    return bake_whole_environment(file, settings, pool_, decoder_, deadline);
   });
   for (const EnvironmentMap& candidate : bake->list()) {
     if (candidate.name == map) return encode_exr(*candidate.equirect, {});

@@ -26,12 +26,13 @@ struct RegistryConfig {
 };
 
 // What bakes takes a seat, as a render does.
-// Threads: any. Owns: the files and the maps; Admission and WorkerPool outlive it.
+// Threads: any. Owns: the files and the maps; Admission, WorkerPool and Decoder outlive it.
 class EnvironmentRegistry {
  public:
   // Bakes as a render would, or finds what was baked: Renderer::environment.
   using Baker = std::function<EnvironmentAnswer(const EnvironmentSpec&, const Deadline&)>;
-  EnvironmentRegistry(Baker baker, Admission& admission, WorkerPool& pool, RegistryConfig config);
+  EnvironmentRegistry(Baker baker, Admission& admission, WorkerPool& pool, Decoder& decoder,
+                      RegistryConfig config);
 
   struct Put {
     api::EnvironmentReport report;
@@ -58,6 +59,7 @@ class EnvironmentRegistry {
   const Baker baker_;
   Admission& admission_;
   WorkerPool& pool_;
+  Decoder& decoder_;
   const DecodeLimits limits_;
   EnvironmentFiles files_;
   BudgetCache<EnvironmentBake> maps_;  // by the file's hash

@@ -2,11 +2,14 @@
 #include <malloc.h>
 
 #include <exception>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "renderer/base/error.hpp"
+#include "renderer/decode/worker.hpp"
 #include "server/commands/commands.hpp"
 
 namespace {
@@ -24,6 +27,10 @@ void return_large_blocks() {
 
 int main(int argc, char** argv) {
   return_large_blocks();
+  // Not a command of the command line: the server starts it, often, and it must be ready at once.
+  if (argc > 2 && std::string_view(argv[1]) == "decode-worker")
+    return furnace::decode::run_worker(std::span(argv, std::size_t(argc)).subspan(2),
+                                       furnace::decode::decode_jobs());
   CLI::App root{"Furnace renders glTF and JSON scenes with physically based light."};
   root.require_subcommand(1);
   const std::vector<furnace::Command> commands = {

@@ -68,7 +68,33 @@ Metrics::Metrics(std::string_view build)
                 .Name("furnace_ready")
                 .Help("1 when the last probe picture was right")
                 .Register(registry_)
-                .Add({})) {
+                .Add({})),
+      decoders(BuildGauge()
+                   .Name("furnace_decoders")
+                   .Help("Child processes that decode")
+                   .Register(registry_)
+                   .Add({})),
+      decoder_jobs(BuildCounter()
+                       .Name("furnace_decoder_jobs_total")
+                       .Help("Files that child processes decoded, or failed to")
+                       .Register(registry_)
+                       .Add({})),
+      decoder_crashes(BuildCounter()
+                          .Name("furnace_decoder_crashes_total")
+                          .Help("Children that ended, or gave an answer without sense, over a file")
+                          .Register(registry_)
+                          .Add({})),
+      decoder_timeouts(
+          BuildCounter()
+              .Name("furnace_decoder_timeouts_total")
+              .Help("Children that were killed because the time of the file or the request was over")
+              .Register(registry_)
+              .Add({})),
+      decoder_starts(BuildCounter()
+                         .Name("furnace_decoder_starts_total")
+                         .Help("Child processes started")
+                         .Register(registry_)
+                         .Add({})) {
   BuildGauge()
       .Name("furnace_build_info")
       .Help("Always 1; the label says which build this is")
@@ -99,6 +125,18 @@ void Metrics::observe_stages(const StageTimes& times) {
   lookup("scene", times.decode_hit);
   lookup("bake", times.bake_hit);
   lookup("gpu", times.upload_hit);
+}
+
+void Metrics::observe_decoders(const decode::PoolStats& stats) {
+  const std::lock_guard lock(counting_);
+  const auto catch_up = [](prometheus::Counter& counter, std::int64_t count) {
+    counter.Increment(double(count) - counter.Value());
+  };
+  decoders.Set(stats.processes);
+  catch_up(decoder_jobs, stats.jobs);
+  catch_up(decoder_crashes, stats.crashes);
+  catch_up(decoder_timeouts, stats.timeouts);
+  catch_up(decoder_starts, stats.starts);
 }
 
 std::string Metrics::text() const {

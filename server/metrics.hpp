@@ -1,6 +1,7 @@
 // Every metric is a member here, so this header is the list.
 #pragma once
 
+#include <mutex>
 #include <string>
 #include <string_view>
 
@@ -10,6 +11,7 @@
 #include <prometheus/histogram.h>
 #include <prometheus/registry.h>
 
+#include "renderer/decode/process_pool.hpp"
 #include "renderer/renderer.hpp"
 
 namespace furnace {
@@ -39,10 +41,20 @@ class Metrics {
   prometheus::Family<prometheus::Counter>& cache_lookups;    // cache, result
   prometheus::Gauge& ready;
 
+  prometheus::Gauge& decoders;
+  prometheus::Counter& decoder_jobs;
+  prometheus::Counter& decoder_crashes;
+  prometheus::Counter& decoder_timeouts;
+  prometheus::Counter& decoder_starts;
+
   void observe_request(std::string_view route, int status, double seconds);
   void observe_stages(const StageTimes& times);
+  void observe_decoders(const decode::PoolStats& stats);
 
   std::string text() const;  // Prometheus text format
+
+ private:
+  std::mutex counting_;  // what others have counted is taken over
 };
 
 }  // namespace furnace

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "renderer/decode/process_decoder.hpp"
 #include "api/capabilities.hpp"
 #include "server/dispatcher.hpp"
 #include "server/environment_registry.hpp"
@@ -49,6 +50,7 @@ struct Doors {
   Metrics& metrics;
   api::Capabilities capabilities;  // with the limits that requests are held to
   int max_parts = 64;
+  const decode::ProcessDecoder* decoders = nullptr;  // null: files are decoded in this process
 };
 
 // Health and version; metrics too when `with_metrics`.

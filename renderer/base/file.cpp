@@ -1,5 +1,6 @@
 #include "renderer/base/file.hpp"
 
+#include "renderer/base/descriptor.hpp"
 #include "renderer/base/error.hpp"
 
 #include <fmt/format.h>
@@ -11,7 +12,6 @@
 #include <atomic>
 #include <cerrno>
 #include <system_error>
-#include <utility>
 
 namespace furnace {
 
@@ -24,28 +24,13 @@ namespace {
        fmt::format("{}: {}", path.string(), reason));
 }
 
-// Threads: one. Owns: an open file.
-class Descriptor {
- public:
-  Descriptor(const std::filesystem::path& path, int flags) {
-    do {
-      fd_ = ::open(path.c_str(), flags | O_CLOEXEC, 0644);
-    } while (fd_ < 0 && errno == EINTR);
-  }
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-
-  bool is_open() const { return fd_ >= 0; }
-  int get() const { return fd_; }
-  // Some file systems report a failed write only here.
-  bool close() { return ::close(std::exchange(fd_, -1)) == 0; }
-
- private:
-  int fd_ = -1;
-};
+Descriptor open_file(const std::filesystem::path& path, int flags) {
+  int fd = -1;
+  do {
+    fd = ::open(path.c_str(), flags | O_CLOEXEC, 0644);
+  } while (fd < 0 && errno == EINTR);
+  return Descriptor(fd);
+}
 
 // Removes the temporary file unless it was renamed.
 struct TemporaryFile {
@@ -66,6 +51,19 @@ void write_all(int fd, std::string_view bytes, const std::filesystem::path& path
   }
 }
 
+// Whether there is something that a renamed file must not replace.
+bool is_special(const std::filesystem::path& path) {
+  struct stat status {};
+  return ::lstat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
+}
+
+void write_through(const std::filesystem::path& path, std::string_view bytes) {
+  Descriptor file = open_file(path, O_WRONLY | O_TRUNC);
+  if (!file.is_open()) fail_with_errno(ErrorCode::kStorage, path, "opened", errno);
+  write_all(file.get(), bytes, path);
+  if (!file.close()) fail_with_errno(ErrorCode::kStorage, path, "written", errno);
+}
+
 }  // namespace
 
 std::optional<FileIdentity> file_identity(const std::filesystem::path& path) {
@@ -76,7 +74,7 @@ std::optional<FileIdentity> file_identity(const std::filesystem::path& path) {
 }
 
 std::string read_file(const std::filesystem::path& path, std::int64_t max_bytes) {
-  const Descriptor file(path, O_RDONLY | O_NONBLOCK);  // a pipe without a writer must not stop us
+  const Descriptor file = open_file(path, O_RDONLY | O_NONBLOCK);  // a pipe without a writer must not stop us
   if (!file.is_open()) {
     const bool missing = errno == ENOENT || errno == ENOTDIR;
     fail_with_errno(missing ? ErrorCode::kNotFound : ErrorCode::kStorage, path, "opened", errno);
@@ -112,18 +110,18 @@ std::string read_file(const std::filesystem::path& path, std::int64_t max_bytes)
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {
+  if (is_special(path)) return write_through(path, bytes);
   static std::atomic<unsigned> serial{0};
   const std::filesystem::path folder =
       path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
   // A name may be taken: by what a killed process left, or by a process with the same id in another container.
   constexpr int kTries = 1000;
   TemporaryFile temporary;
-  std::optional<Descriptor> opened;
-  for (int i = 0; i < kTries && (!opened || (!opened->is_open() && errno == EEXIST)); ++i) {
+  Descriptor file;
+  for (int i = 0; i < kTries && !file.is_open() && (i == 0 || errno == EEXIST); ++i) {
     temporary.path = folder / fmt::format(".{}.{}.{}.tmp", path.filename().string(), ::getpid(), ++serial);
-    opened.emplace(temporary.path, O_WRONLY | O_CREAT | O_EXCL);
+    file = open_file(temporary.path, O_WRONLY | O_CREAT | O_EXCL);
   }
-  Descriptor& file = *opened;
   if (!file.is_open()) {
     const int error = errno;
     temporary.renamed = true;  // it is not ours
@@ -136,7 +134,7 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
   }
   temporary.renamed = true;
 
-  const Descriptor directory(folder, O_RDONLY | O_DIRECTORY);
+  const Descriptor directory = open_file(folder, O_RDONLY | O_DIRECTORY);
   if (!directory.is_open() || ::fsync(directory.get()) != 0) {
     fail_with_errno(ErrorCode::kStorage, path, "made durable", errno);
   }

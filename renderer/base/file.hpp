@@ -28,7 +28,8 @@ std::optional<FileIdentity> file_identity(const std::filesystem::path& path);
 std::string read_file(const std::filesystem::path& path, std::int64_t max_bytes);
 
 // After a crash there is the old file or the new one, never a part: temporary file in the same folder, fsync,
-// rename, fsync of the folder. Errors: kStorage.
+// rename, fsync of the folder. What is there and no regular file, a device, a pipe or a link, stays, and the bytes go
+// through it without that promise; a pipe is waited for. Errors: kStorage.
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace furnace

@@ -30,6 +30,7 @@ Decoder open_decoder(std::span<const std::byte> file, std::int64_t most_px) {
   decoder->imageSizeLimit = std::uint32_t(std::min<std::int64_t>(most_px, AVIF_DEFAULT_IMAGE_SIZE_LIMIT));
   decoder->imageDimensionLimit = 0;
   decoder->imageCountLimit = 1;
+  decoder->maxThreads = 1;  // a sandboxed process may start none
   decoder->ignoreExif = decoder->ignoreXMP = AVIF_TRUE;
   if (avifCodecName(AVIF_CODEC_CHOICE_DAV1D, AVIF_CODEC_FLAG_CAN_DECODE) != nullptr)
     decoder->codecChoice = AVIF_CODEC_CHOICE_DAV1D;

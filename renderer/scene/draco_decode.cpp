@@ -23,6 +23,7 @@ namespace {
 constexpr std::uint64_t kFreeTriangles = 1 << 20, kMostTrianglesPerByte = 1024;
 // Beside the decoded values Draco keeps portable ones and maps.
 constexpr std::uint64_t kWorkingCopies = 3;
+constexpr std::uint64_t kTriangleBytes = 3 * sizeof(std::uint32_t);
 
 [[noreturn]] void fail_damaged(const std::string& what) {
   fail(ErrorCode::kUnprocessable, "the Draco data are damaged: " + what);
@@ -133,10 +134,16 @@ std::vector<std::uint32_t> read_indices(const draco::Mesh& mesh) {
   return indices;
 }
 
+std::uint64_t vertex_bytes(const DracoRequest& request) {
+  std::uint64_t bytes = 0;
+  for (const DracoAttribute& attribute : request.attributes) bytes += element_bytes(attribute);
+  return bytes;
+}
+
 template <class T>
 std::vector<std::byte> converted(const draco::PointAttribute& attribute, std::uint32_t points,
                                  const DracoAttribute& wanted) {
-  const std::size_t element = sizeof(T) * std::size_t(wanted.components);
+  const std::size_t element = element_bytes(wanted);
   std::vector<std::byte> values(points * element);
   for (std::uint32_t i = 0; i < points; ++i) {
     const draco::AttributeValueIndex value = attribute.mapped_index(draco::PointIndex(i));
@@ -196,7 +203,40 @@ DracoMesh decode(std::span<const std::byte> bytes, const DracoRequest& request) 
 
 }  // namespace
 
+std::size_t element_bytes(const DracoAttribute& attribute) {
+  const auto components = std::size_t(attribute.components);
+  switch (attribute.component) {
+    case DracoComponent::kByte:
+    case DracoComponent::kUnsignedByte:
+      return components;
+    case DracoComponent::kShort:
+    case DracoComponent::kUnsignedShort:
+      return components * 2;
+    case DracoComponent::kUnsignedInt:
+    case DracoComponent::kFloat:
+      break;
+  }
+  return components * 4;
+}
+
+void check_draco_request(const DracoRequest& request) {
+  if (request.attributes.size() > kMostDracoAttributes) {
+    fail(ErrorCode::kTooLarge, "has " + std::to_string(request.attributes.size()) + " attributes; " +
+                                   std::to_string(kMostDracoAttributes) + " are read at most");
+  }
+  const std::uint64_t most = request.most_bytes;
+  const bool countable = request.most_triangles <= most / kTriangleBytes &&
+                         request.vertices <= most / std::max<std::uint64_t>(vertex_bytes(request), 1);
+  if (countable && draco_result_bytes(request) <= most) return;
+  fail(ErrorCode::kTooLarge, "the Draco mesh takes more than " + std::to_string(most) + " bytes");
+}
+
+std::uint64_t draco_result_bytes(const DracoRequest& request) {
+  return request.most_triangles * kTriangleBytes + request.vertices * vertex_bytes(request);
+}
+
 DracoMesh decode_draco(std::span<const std::byte> bytes, const DracoRequest& request) {
+  check_draco_request(request);
   try {
     return decode(bytes, request);
   } catch (const std::bad_alloc&) {

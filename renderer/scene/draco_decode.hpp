@@ -31,14 +31,21 @@ struct DracoRequest {
   std::uint64_t most_bytes = 2ull << 30;  // of all its attributes, wanted or not
 };
 
+inline constexpr std::size_t kMostDracoAttributes = 64;
+std::size_t element_bytes(const DracoAttribute& attribute);
+// Errors: kTooLarge for more attributes than that, and for a result of more than `most_bytes`.
+void check_draco_request(const DracoRequest& request);
+// What the result takes at most, of a request that was checked.
+std::uint64_t draco_result_bytes(const DracoRequest& request);
+
 struct DracoMesh {
   std::vector<std::uint32_t> indices;  // triangles; every index < vertices
   // By request: `vertices` elements, tightly packed, in the component type asked for; quantisation undone.
   std::vector<std::vector<std::byte>> attributes;
 };
 
-// Errors: kUnprocessable for what is damaged or is not what was asked for, kTooLarge for the limits, which are checked
-// before connectivity and before attributes are decoded. Threads: any.
+// Errors: those of check_draco_request; kUnprocessable for what is damaged or is not what was asked for, kTooLarge for the
+// limits, which are checked before connectivity and before attributes are decoded. Threads: any.
 DracoMesh decode_draco(std::span<const std::byte> bytes, const DracoRequest& request);
 
 }  // namespace furnace

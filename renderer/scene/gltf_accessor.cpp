@@ -64,8 +64,9 @@ void decode(ComponentType type, const std::byte* source, const Layout& layout, O
 
 }  // namespace
 
-GltfData::GltfData(const GltfDocument& document, const ModelBundle& bundle, const ImportLimits& limits)
-    : document_(document) {
+GltfData::GltfData(const GltfDocument& document, const ModelBundle& bundle, const ImportLimits& limits,
+                   Decoder& decoder, const Deadline& deadline)
+    : document_(document), decoder_(decoder), deadline_(deadline) {
   std::size_t total = 0;
   for (std::size_t i = 0; i < document.buffers.size(); ++i) {
     buffers_.push_back(find_buffer(i, bundle));
@@ -94,7 +95,7 @@ void GltfData::decode_views(const ImportLimits& limits) {
     }
     const auto bytes = buffer_bytes(meshopt->buffer, meshopt->byte_offset, meshopt->byte_length);
     try {
-      decoded_views_.emplace(static_cast<int>(i), decode_meshopt(bytes, meshopt->layout));
+      decoded_views_.emplace(static_cast<int>(i), decoder_.meshopt(bytes, meshopt->layout, deadline_));
     } catch (Error& error) {
       error.pointer = meshopt->pointer;
       throw;
@@ -135,6 +136,10 @@ Blob GltfData::view_blob(int buffer_view) const {
   if (view.meshopt) return Blob(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
   const Buffer& buffer = buffers_[static_cast<std::size_t>(view.buffer)];
   return Blob::slice(buffer.owner, buffer.range.offset + view.byte_offset, view.byte_length);
+}
+
+DracoMesh GltfData::read_draco(int buffer_view, const DracoRequest& request) const {
+  return decoder_.draco(view_bytes(buffer_view), request, deadline_);
 }
 
 std::span<const std::byte> GltfData::buffer_bytes(int buffer_index, std::uint64_t offset,

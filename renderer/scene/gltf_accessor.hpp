@@ -11,23 +11,27 @@
 
 #include <glm/glm.hpp>
 
+#include "renderer/scene/decoder.hpp"
 #include "renderer/scene/gltf_document.hpp"
 
 namespace furnace {
 
-// Threads: one. Owns: decoded data: URIs, decompressed views and shares of the bundle's bytes; the document must
-// outlive it.
+// Threads: one. Owns: decoded data: URIs, decompressed views and shares of the bundle's bytes; the document and the
+// decoder must outlive it.
 class GltfData {
  public:
   // Errors: kUnprocessable for a buffer that is missing, shorter than declared, or has a bad URI, and for damaged
-  // meshopt data.
-  GltfData(const GltfDocument& document, const ModelBundle& bundle, const ImportLimits& limits);
+  // meshopt data; kDeadlineExceeded.
+  GltfData(const GltfDocument& document, const ModelBundle& bundle, const ImportLimits& limits,
+           Decoder& decoder, const Deadline& deadline);
 
   const GltfAccessor& accessor(int index) const {
     return document_.accessors[static_cast<std::size_t>(index)];
   }
   // A part of the bundle's own bytes, not a copy, unless it comes compressed.
   Blob view_blob(int buffer_view) const;
+  // The view as a compressed mesh. Errors: those of Decoder::draco.
+  DracoMesh read_draco(int buffer_view, const DracoRequest& request) const;
 
   // Floats, normalised integers converted; V has as many components as the accessor's type, or more (left as
   // `fill`). `decoded`: all elements, tightly packed, where a compressed mesh brought them.
@@ -65,6 +69,8 @@ class GltfData {
   std::vector<std::uint32_t> read_sparse_indices(int accessor_index) const;
 
   const GltfDocument& document_;
+  Decoder& decoder_;
+  const Deadline deadline_;
   std::vector<Buffer> buffers_;
   std::map<int, std::vector<std::byte>> decoded_views_;  // those of meshopt
 };

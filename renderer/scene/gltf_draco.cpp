@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "renderer/base/error.hpp"
-#include "renderer/scene/draco_decode.hpp"
 #include "renderer/scene/gltf_topology.hpp"
 
 namespace furnace {
@@ -34,9 +33,8 @@ DecodedPrimitive decode_primitive(const GltfDocument& document, const GltfData& 
         {id, static_cast<DracoComponent>(accessor.component), component_count(accessor.type)});
   }
   const std::string pointer = ref.pointer() + "/extensions/KHR_draco_mesh_compression";
-  const Blob compressed = data.view_blob(primitive.draco->buffer_view);
   try {
-    DracoMesh mesh = decode_draco(compressed.bytes(), request);
+    DracoMesh mesh = data.read_draco(primitive.draco->buffer_view, request);
     result.indices = std::move(mesh.indices);
     for (std::size_t i = 0; i < semantics.size(); ++i)
       result.attributes.emplace(semantics[i], std::move(mesh.attributes[i]));

@@ -23,7 +23,7 @@ struct DecodedPrimitive {
   }
 };
 
-// Needs check_primitive. Errors: kUnprocessable and kTooLarge at the extension.
+// Needs check_primitive. Errors: kUnprocessable and kTooLarge at the extension; kDeadlineExceeded.
 DecodedPrimitive decode_primitive(const GltfDocument& document, const GltfData& data,
                                   const GltfPrimitiveRef& ref);
 

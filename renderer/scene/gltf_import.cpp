@@ -50,12 +50,12 @@ GltfDocument read_checked(const GltfJson& json, const ImportLimits& limits) {
 // Threads: one. Owns: the scene in the making.
 class Importer {
  public:
-  Importer(const ModelBundle& bundle, const ImportLimits& limits, const Deadline& deadline)
+  Importer(Decoder& decoder, const ModelBundle& bundle, const ImportLimits& limits, const Deadline& deadline)
       : limits_(limits),
         deadline_(deadline),
         json_(parse_gltf(bundle.document, limits)),
         document_(read_checked(json_, limits)),
-        data_(document_, bundle, limits),
+        data_(document_, bundle, limits, decoder, deadline),
         materials_(document_, data_, bundle, scene_, notes_) {}
 
   Scene import(const ModelBundle& bundle, const ImportOptions& options);
@@ -409,9 +409,9 @@ std::vector<std::string> gltf_external_uris(const Blob& bytes, const ImportLimit
   return uris;
 }
 
-Scene import_gltf(const ModelBundle& bundle, const ImportOptions& options, const ImportLimits& limits,
-                  const Deadline& deadline) {
-  return Importer(bundle, limits, deadline).import(bundle, options);
+Scene import_gltf(Decoder& decoder, const ModelBundle& bundle, const ImportOptions& options,
+                  const ImportLimits& limits, const Deadline& deadline) {
+  return Importer(decoder, bundle, limits, deadline).import(bundle, options);
 }
 
 }  // namespace furnace

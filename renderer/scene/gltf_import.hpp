@@ -16,6 +16,8 @@
 
 namespace furnace {
 
+class Decoder;
+
 // A model with everything it refers to, already in memory: importing does no I/O.
 struct ModelBundle {
   Blob document;                         // .glb or .gltf bytes
@@ -62,12 +64,12 @@ std::vector<std::string> gltf_external_uris(const Blob& document, const ImportLi
 
 // Imports one scene of the document in the pose of its animations, or at rest: node transforms, skins (every set of
 // joints) and morph targets are applied on the CPU in double precision; skinned meshes come out in
-// world space.
+// world space. What is compressed is left to `decoder`.
 // Errors: kUnprocessable with a pointer; kTooLarge for a limit; an extension in extensionsRequired that
 // supported_gltf_extensions() does not list is refused, one in extensionsUsed only becomes a Note.
 // A missing or unreadable image becomes a Note and the slot stays empty; a missing buffer is an error.
-Scene import_gltf(const ModelBundle& bundle, const ImportOptions& options, const ImportLimits& limits,
-                  const Deadline& deadline);
+Scene import_gltf(Decoder& decoder, const ModelBundle& bundle, const ImportOptions& options,
+                  const ImportLimits& limits, const Deadline& deadline);
 
 std::vector<std::string_view> supported_gltf_extensions();
 

@@ -12,6 +12,7 @@
 #include "renderer/environment_bake.hpp"
 #include "renderer/image/encode.hpp"
 #include "server/commands/commands.hpp"
+#include "server/decoders.hpp"
 #include "server/environment_report.hpp"
 
 namespace furnace {
@@ -26,6 +27,7 @@ struct Arguments {
   std::string method = "spectral";
   std::string sun = "keep";
   int threads = 0;
+  Config config;  // of the decoders
 };
 
 void tell(const char* stage, const std::string& what) {
@@ -70,7 +72,9 @@ int bake(const Arguments& arguments) {
   WorkerPool pool(arguments.threads > 0 ? arguments.threads
                                         : int(std::max(1u, std::thread::hardware_concurrency())));
   tell("begin", arguments.input);
-  const EnvironmentBake baked = bake_whole_environment(encoded, settings, pool, Deadline());
+  Decoders decoders(arguments.config);
+  const EnvironmentBake baked =
+      bake_whole_environment(encoded, settings, pool, decoders.decoder(), Deadline());
   const api::EnvironmentReport report =
       report_of(fs::path(arguments.input).filename().string(), encoded, baked);
   tell("baked", fmt::format("{} x {} px in {:.1f} ms, {} maps", report.width, report.height, report.bake_ms,
@@ -105,6 +109,7 @@ Command bake_command(CLI::App& root) {
                    "keep, or extract: maps of what is left without the suns that the report lists")
       ->check(CLI::IsMember({"keep", "extract"}));
   command->add_option("--threads", arguments->threads, "0: one a core")->check(CLI::Range(0, 1024));
+  add_decoder_option(*command, arguments->config);
   return {command, [arguments] { return bake(*arguments); }};
 }
 

@@ -56,6 +56,12 @@ LoadedConfig SettingOptions::load() const {
   return load_config(sources);
 }
 
+void add_decoder_option(CLI::App& command, Config& config) {
+  config.decoder_sandbox = "off";
+  command.add_option("--decoder-sandbox", config.decoder_sandbox, "as of serve, but off unless given")
+      ->check(CLI::IsMember({"require", "prefer", "off"}));
+}
+
 std::string read_input(const std::string& input, std::int64_t max_bytes) {
   if (input != "-") return read_file(input, max_bytes);
   std::string bytes;

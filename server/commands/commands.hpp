@@ -45,6 +45,9 @@ class SettingOptions {
   std::map<std::string, std::vector<std::string>> given_;
 };
 
+// --decoder-sandbox, off unless given: who names a file on the own machine mostly trusts it.
+void add_decoder_option(CLI::App& command, Config& config);
+
 // The whole of a file, or of standard input for "-". Errors: those of read_file.
 std::string read_input(const std::string& input, std::int64_t max_bytes);
 

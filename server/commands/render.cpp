@@ -256,6 +256,7 @@ void add_options(CLI::App& command, Arguments& to) {
   command.add_option("--determinism", to.config.determinism, "fast or exact, as of serve")
       ->envname("FURNACE_DETERMINISM")
       ->check(CLI::IsMember({"fast", "exact"}));
+  add_decoder_option(command, to.config);
   command.add_option("--shader-dir", to.config.shader_dir, "as of serve")->envname("FURNACE_SHADER_DIR");
 }
 

@@ -93,6 +93,34 @@ TEST_F(FileTest, SaysThatItCannotWrite) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << "the temporary file is left behind";
 }
 
+TEST_F(FileTest, WritesThroughWhatIsNoRegularFile) {
+  const fs::path pipe = folder_ / "pipe", link = folder_ / "link";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::string got;
+  std::thread reader([&] {
+    std::ifstream file(pipe);
+    got.assign(std::istreambuf_iterator<char>(file), {});
+  });
+  write_file_atomically(pipe, "through");
+  reader.join();
+  EXPECT_EQ(got, "through");
+  EXPECT_TRUE(fs::is_fifo(pipe));
+
+  write_file_atomically(folder_ / "x", "longer than that");
+  fs::create_symlink("x", link);
+  write_file_atomically(link, "short");
+  EXPECT_EQ(read_file(folder_ / "x", 100), "short");
+  EXPECT_TRUE(fs::is_symlink(link));
+
+  fs::create_symlink("/dev/null", folder_ / "null");
+  write_file_atomically(folder_ / "null", "gone");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "null"));
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  fs::create_symlink("absent", folder_ / "dangling");
+  EXPECT_EQ(error_of([&] { write_file_atomically(folder_ / "dangling", "1"); }).code, ErrorCode::kStorage);
+  EXPECT_FALSE(fs::exists(folder_ / "absent"));
+}
+
 TEST_F(FileTest, IdentityChangesWithTheFile) {
   write_file_atomically(folder_ / "x", "1");
   const auto first = file_identity(folder_ / "x");

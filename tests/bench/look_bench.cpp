@@ -12,6 +12,7 @@
 
 #include "renderer/assets/asset_resolver.hpp"
 #include "renderer/base/worker_pool.hpp"
+#include "renderer/decode/in_process_decoder.hpp"
 #include "renderer/renderer.hpp"
 #include "api/render_request.hpp"
 #include "tests/bench/bench_main.hpp"
@@ -94,7 +95,7 @@ Cost measure(Renderer& renderer, const Look& look) {
 
 nlohmann::json run(const std::string&) {
   WorkerPool pool(int(std::max(1l, sysconf(_SC_NPROCESSORS_ONLN))));
-  Renderer renderer({}, pool);
+  Renderer renderer({}, pool, decode::in_process_decoder());
   measure(renderer, kLooks[0]);  // what every picture needs once
   nlohmann::json rows = nlohmann::json::array();
   double plain_ms = 0;

@@ -15,6 +15,7 @@
 #include "renderer/assets/asset_resolver.hpp"
 #include "renderer/base/error.hpp"
 #include "renderer/base/worker_pool.hpp"
+#include "renderer/decode/in_process_decoder.hpp"
 #include "server/render_service.hpp"
 #include "tests/bench/bench_main.hpp"
 
@@ -93,7 +94,7 @@ Row measure(const Subject& subject, int side) {
   Admission admission(1, 0);
 
   const double start = wall_ms(), start_cpu = cpu_ms();
-  Renderer renderer({}, pool);
+  Renderer renderer({}, pool, decode::in_process_decoder());
   RenderService service(renderer, admission, pool);
   const RenderSpec spec = spec_of(subject, files, side);
   const EncodedImage first = service.render(spec, Deadline());

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "renderer/base/worker_pool.hpp"
+#include "renderer/decode/in_process_decoder.hpp"
 #include "renderer/renderer.hpp"
 
 namespace furnace {
@@ -16,7 +17,7 @@ class ClosedFormGlTest : public testing::Test {
       gl::apply_determinism(gl::Determinism::kExact);
       RendererConfig config;
       config.gl = {"software", gl::Determinism::kExact};
-      return Renderer(config, pool);
+      return Renderer(config, pool, decode::in_process_decoder());
     }();
     return instance;
   }

@@ -13,6 +13,7 @@
 #include "renderer/base/error.hpp"
 #include "renderer/base/file.hpp"
 #include "renderer/base/worker_pool.hpp"
+#include "renderer/decode/in_process_decoder.hpp"
 #include "renderer/image/decode.hpp"
 #include "renderer/image/encode.hpp"
 #include "server/render_service.hpp"
@@ -38,7 +39,8 @@ constexpr Configuration kUncached{"uncached", 1024, 0};
 class Door {
  public:
   explicit Door(const Configuration& configuration)
-      : renderer_(config_of(configuration), pool_), service_(renderer_, admission_, pool_) {}
+      : renderer_(config_of(configuration), pool_, decode::in_process_decoder()),
+        service_(renderer_, admission_, pool_) {}
 
   std::string render(const std::string& request) {
     const AssetResolver assets(files_, {}, {});

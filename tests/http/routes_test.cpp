@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/http/fake_painter.hpp"
+#include "renderer/decode/in_process_decoder.hpp"
 #include "api/document.hpp"
 
 namespace furnace {
@@ -66,7 +67,11 @@ class RoutesTest : public ::testing::Test {
   bool probe_is_right_ = true;
   Readiness readiness_{[this](const Deadline&) { return probe_is_right_; }, std::chrono::seconds(1)};
   EnvironmentRegistry environments_{
-      [](const EnvironmentSpec&, const Deadline&) { return EnvironmentAnswer{}; }, admission_, pool_, {}};
+      [](const EnvironmentSpec&, const Deadline&) { return EnvironmentAnswer{}; },
+      admission_,
+      pool_,
+      decode::in_process_decoder(),
+      {}};
   const Doors doors_{service_, admission_, files_, environments_, readiness_, metrics_, {}, 4};
   const Dispatcher dispatcher_{public_routes(doors_, true), metrics_};
 };

@@ -110,13 +110,14 @@ std::string lossless_webp(int width, int height, int channels, const std::vector
   return file;
 }
 
-std::string lossless_avif(int width, int height, int channels, int depth,
-                          const std::vector<std::uint8_t>& samples) {
+namespace {
+
+std::string avif(int width, int height, int channels, int depth, const std::vector<std::uint8_t>& samples,
+                 avifPixelFormat format, avifMatrixCoefficients coefficients) {
   const std::unique_ptr<avifImage, decltype(&avifImageDestroy)> image(
-      avifImageCreate(std::uint32_t(width), std::uint32_t(height), std::uint32_t(depth),
-                      AVIF_PIXEL_FORMAT_YUV444),
+      avifImageCreate(std::uint32_t(width), std::uint32_t(height), std::uint32_t(depth), format),
       avifImageDestroy);
-  image->matrixCoefficients = AVIF_MATRIX_COEFFICIENTS_IDENTITY;
+  image->matrixCoefficients = coefficients;
   avifRGBImage rgb;
   avifRGBImageSetDefaults(&rgb, image.get());
   rgb.format = channels == 4 ? AVIF_RGB_FORMAT_RGBA : AVIF_RGB_FORMAT_RGB;
@@ -134,6 +135,18 @@ std::string lossless_avif(int width, int height, int channels, int depth,
   std::string file(reinterpret_cast<const char*>(out.data), out.size);
   avifRWDataFree(&out);
   return file;
+}
+
+}  // namespace
+
+std::string lossless_avif(int width, int height, int channels, int depth,
+                          const std::vector<std::uint8_t>& samples) {
+  return avif(width, height, channels, depth, samples, AVIF_PIXEL_FORMAT_YUV444,
+              AVIF_MATRIX_COEFFICIENTS_IDENTITY);
+}
+
+std::string subsampled_avif(int width, int height, int channels, const std::vector<std::uint8_t>& samples) {
+  return avif(width, height, channels, 8, samples, AVIF_PIXEL_FORMAT_YUV420, AVIF_MATRIX_COEFFICIENTS_BT601);
 }
 
 std::string rgbe_header(int width, int height) {

@@ -42,6 +42,8 @@ std::string lossless_webp(int width, int height, int channels, const std::vector
 // `samples` of 8 bits, or of 10 or 12 little-endian in 16. By libavif, RGB kept as it is.
 std::string lossless_avif(int width, int height, int channels, int depth,
                           const std::vector<std::uint8_t>& samples);
+// With half as many samples of colour each way, as photographs have.
+std::string subsampled_avif(int width, int height, int channels, const std::vector<std::uint8_t>& samples);
 
 std::string rgbe_header(int width, int height);
 

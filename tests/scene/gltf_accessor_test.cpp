@@ -7,12 +7,12 @@ namespace furnace::testing {
 namespace {
 
 // Decodes accessor 0 of a builder's document.
-class Decoder {
+class Accessors {
  public:
-  explicit Decoder(const GltfBuilder& builder)
+  explicit Accessors(const GltfBuilder& builder)
       : bundle_(builder.bundle()),
         document_(read_gltf_document(bundle_.document, {})),
-        data_(document_, bundle_, ImportLimits()) {}
+        data_(document_, bundle_, ImportLimits(), decode::in_process_decoder(), Deadline()) {}
 
   const GltfData& operator*() const { return data_; }
 
@@ -26,7 +26,7 @@ template <class V, class T>
 std::vector<V> decoded(const std::string& type, const std::vector<T>& values, bool normalized) {
   GltfBuilder builder;
   builder.add_accessor<T>(type, values, normalized);
-  return (*Decoder(builder)).template read_vectors<V>(0);
+  return (*Accessors(builder)).template read_vectors<V>(0);
 }
 
 using V2 = std::vector<glm::vec2>;
@@ -49,7 +49,7 @@ TEST(Accessor, ConvertsEveryComponentType) {
 TEST(Accessor, WiderTargetsKeepTheirFill) {
   GltfBuilder builder;
   builder.add_accessor<float>("VEC3", {1, 2, 3, 4, 5, 6});
-  const auto values = (*Decoder(builder)).read_vectors<glm::vec4>(0, glm::vec4(1));
+  const auto values = (*Accessors(builder)).read_vectors<glm::vec4>(0, glm::vec4(1));
   EXPECT_EQ(values, (std::vector<glm::vec4>{{1, 2, 3, 1}, {4, 5, 6, 1}}));
 }
 
@@ -60,13 +60,13 @@ TEST(Accessor, FollowsStrideAndOffsets) {
   builder.add(
       "accessors",
       {{"bufferView", view}, {"byteOffset", 8}, {"type", "VEC2"}, {"componentType", 5126}, {"count", 2}});
-  EXPECT_EQ((*Decoder(builder)).read_vectors<glm::vec2>(0), (V2{{1, 2}, {3, 4}}));
+  EXPECT_EQ((*Accessors(builder)).read_vectors<glm::vec2>(0), (V2{{1, 2}, {3, 4}}));
 }
 
 TEST(Accessor, WithoutAViewIsZeros) {
   GltfBuilder builder;
   builder.add("accessors", {{"type", "VEC2"}, {"componentType", 5126}, {"count", 2}});
-  EXPECT_EQ((*Decoder(builder)).read_vectors<glm::vec2>(0, glm::vec2(7)), (V2{{0, 0}, {0, 0}}));
+  EXPECT_EQ((*Accessors(builder)).read_vectors<glm::vec2>(0, glm::vec2(7)), (V2{{0, 0}, {0, 0}}));
 }
 
 GltfBuilder sparse_builder(const std::vector<std::uint16_t>& places, bool with_base) {
@@ -83,15 +83,15 @@ GltfBuilder sparse_builder(const std::vector<std::uint16_t>& places, bool with_b
 }
 
 TEST(Accessor, SparseValuesReplaceThoseOfTheBase) {
-  EXPECT_EQ((*Decoder(sparse_builder({0, 2}, true))).read_vectors<glm::vec2>(0),
+  EXPECT_EQ((*Accessors(sparse_builder({0, 2}, true))).read_vectors<glm::vec2>(0),
             (V2{{10, 20}, {2, 2}, {11, 21}}));
-  EXPECT_EQ((*Decoder(sparse_builder({1}, false))).read_vectors<glm::vec2>(0),
+  EXPECT_EQ((*Accessors(sparse_builder({1}, false))).read_vectors<glm::vec2>(0),
             (V2{{0, 0}, {10, 20}, {0, 0}}));
 }
 
 TEST(Accessor, SparseIndicesMustGrowAndStayInside) {
   for (const std::vector<std::uint16_t>& places : {std::vector<std::uint16_t>{0, 3}, {1, 1}, {2, 0}}) {
-    const Decoder decoder(sparse_builder(places, true));
+    const Accessors decoder(sparse_builder(places, true));
     const auto error = error_of([&] { (*decoder).read_vectors<glm::vec2>(0); });
     ASSERT_TRUE(error);
     EXPECT_EQ(error->pointer, "/accessors/0/sparse/indices");
@@ -101,7 +101,7 @@ TEST(Accessor, SparseIndicesMustGrowAndStayInside) {
 TEST(Accessor, IndicesKeepAll32Bits) {
   GltfBuilder builder;
   builder.add_accessor<std::uint32_t>("SCALAR", {0xFFFFFFFEu, 16777217u});
-  EXPECT_EQ((*Decoder(builder)).read_indices(0), (std::vector<std::uint32_t>{0xFFFFFFFEu, 16777217u}));
+  EXPECT_EQ((*Accessors(builder)).read_indices(0), (std::vector<std::uint32_t>{0xFFFFFFFEu, 16777217u}));
 }
 
 // glTF 2.0, section 3.6.2.4, its own example of a padded MAT2 of bytes; the last column's padding may be

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "renderer/base/error.hpp"
+#include "renderer/decode/in_process_decoder.hpp"
 #include "renderer/scene/gltf_import.hpp"
 
 namespace furnace::testing {
@@ -82,7 +83,7 @@ struct GltfBuilder {
   }
 
   Scene import(const ImportOptions& options = {}, const ImportLimits& limits = {}) const {
-    return import_gltf(bundle(), options, limits, Deadline());
+    return import_gltf(decode::in_process_decoder(), bundle(), options, limits, Deadline());
   }
 };
 
@@ -121,7 +122,7 @@ inline int add_texture(GltfBuilder& builder, const std::string& uri) {
 inline Scene import_with_png(const GltfBuilder& builder, const std::string& name) {
   ModelBundle bundle = builder.bundle();
   bundle.siblings[name] = Blob(kPngStart);
-  return import_gltf(bundle, {}, {}, Deadline());
+  return import_gltf(decode::in_process_decoder(), bundle, {}, {}, Deadline());
 }
 
 // The Error that `body` ends with, if any.

@@ -37,7 +37,7 @@ Scene import_bytes(const std::string& bytes) {
   ModelBundle bundle;
   bundle.document = Blob(bytes);
   bundle.seal();
-  return import_gltf(bundle, {}, {}, Deadline());
+  return import_gltf(decode::in_process_decoder(), bundle, {}, {}, Deadline());
 }
 
 TEST(GlbContainer, BuffersComeFromTheBinChunk) {

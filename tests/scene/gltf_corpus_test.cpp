@@ -26,7 +26,7 @@ std::string outcome_of(const std::string& document) {
   bundle.document = Blob(document);
   bundle.seal();
   try {
-    const Scene scene = import_gltf(bundle, {}, {}, Deadline());
+    const Scene scene = import_gltf(decode::in_process_decoder(), bundle, {}, {}, Deadline());
     std::string codes;
     for (const Note& note : scene.notes) codes += (codes.empty() ? "" : " ") + note.code;
     return codes.empty() ? "none" : codes;

@@ -91,7 +91,7 @@ void expect_invariants(const Scene& scene) {
 // 1 when a scene came out.
 int import_damaged(const ModelBundle& bundle) {
   try {
-    expect_invariants(import_gltf(bundle, {}, {}, Deadline()));
+    expect_invariants(import_gltf(decode::in_process_decoder(), bundle, {}, {}, Deadline()));
     return 1;
   } catch (const Error& error) {
     EXPECT_NE(error.code, ErrorCode::kInternal) << error.message;
@@ -109,7 +109,7 @@ std::string flipped(std::string bytes, std::mt19937& random, int flips) {
 constexpr int kRounds = 1000;
 
 TEST(Fuzz, TheUndamagedModelIsRich) {
-  const Scene scene = import_gltf(rich_bundle(), {}, {}, Deadline());
+  const Scene scene = import_gltf(decode::in_process_decoder(), rich_bundle(), {}, {}, Deadline());
   expect_invariants(scene);
   EXPECT_EQ(scene.meshes.at(0).positions[2], glm::vec3(0, 1, 1.5f));
 }

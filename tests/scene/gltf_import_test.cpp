@@ -290,14 +290,16 @@ TEST(Import, DeepOrEndlessJsonIsRefused) {
 TEST(Import, AMissingBufferIsAnError) {
   ModelBundle bundle = clean_builder().bundle();
   bundle.siblings.clear();
-  const auto error = error_of([&] { import_gltf(bundle, {}, {}, Deadline()); });
+  const auto error = error_of([&] { import_gltf(decode::in_process_decoder(), bundle, {}, {}, Deadline()); });
   EXPECT_EQ(error->code, ErrorCode::kUnprocessable);
   EXPECT_EQ(error->pointer, "/buffers/0/uri");
 }
 
 TEST(Import, StopsAtItsDeadline) {
-  const auto error = error_of(
-      [] { import_gltf(clean_builder().bundle(), {}, {}, Deadline(std::chrono::milliseconds(-1))); });
+  const auto error = error_of([] {
+    import_gltf(decode::in_process_decoder(), clean_builder().bundle(), {}, {},
+                Deadline(std::chrono::milliseconds(-1)));
+  });
   EXPECT_EQ(error->code, ErrorCode::kDeadlineExceeded);
 }
 

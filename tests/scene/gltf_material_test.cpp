@@ -120,7 +120,7 @@ TEST(GltfMaterial, TexturesHaveSourcesOfExtensions) {
     bundle.siblings["plain.png"] = Blob(kPngStart);
     const auto pointer_of_image = [&](const std::string& bytes) {
       bundle.siblings["other.img"] = Blob(bytes);
-      const Scene scene = import_gltf(bundle, {}, {}, Deadline());
+      const Scene scene = import_gltf(decode::in_process_decoder(), bundle, {}, {}, Deadline());
       EXPECT_EQ(find_note(scene, "image-unreadable") != nullptr, bytes == "?") << name;
       return scene.images.at(std::size_t(scene.materials[0].texture(TextureUse::kEmissive)->image)).pointer;
     };

@@ -30,7 +30,7 @@ Scene import_document(const Blob& document, const fs::path& folder) {
     if (fs::is_regular_file(folder / uri, none)) bundle.siblings[uri] = load(folder / uri);
   }
   bundle.seal();
-  return import_gltf(bundle, {}, {}, Deadline());
+  return import_gltf(decode::in_process_decoder(), bundle, {}, {}, Deadline());
 }
 
 Scene import_file(const fs::path& path) {

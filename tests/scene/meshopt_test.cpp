@@ -402,7 +402,7 @@ TEST_P(MeshoptDocument, FillsTheViews) {
   lost["uri"] = "fallback.bin";
   for (const Json& placeholder : {Json::object(), flag, lost}) {
     const ModelBundle bundle = bundle_of(builder, placeholder);
-    const Scene scene = import_gltf(bundle, {}, {}, Deadline());
+    const Scene scene = import_gltf(decode::in_process_decoder(), bundle, {}, {}, Deadline());
     EXPECT_EQ(world_bounds(scene).max, glm::vec3(2, 2, 0));
     EXPECT_EQ(scene.meshes.at(0).indices, (std::vector<std::uint32_t>{0, 1, 2}));
     EXPECT_EQ(gltf_external_uris(bundle.document, {}), std::vector<std::string>{"data.bin"});
@@ -414,7 +414,9 @@ TEST_P(MeshoptDocument, RefusesWhatCannotBe) {
   const auto pointer_with = [&](const std::string& key, const Json& value) {
     GltfBuilder builder = compressed_triangle(GetParam());
     builder.json["bufferViews"][0]["extensions"][GetParam()][key] = value;
-    const auto error = error_of([&] { import_gltf(bundle_of(builder, Json::object()), {}, {}, Deadline()); });
+    const auto error = error_of([&] {
+      import_gltf(decode::in_process_decoder(), bundle_of(builder, Json::object()), {}, {}, Deadline());
+    });
     return error ? error->pointer : "no error";
   };
   EXPECT_EQ(pointer_with("mode", "VERTICES"), at + "/mode");

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "renderer/decode/in_process_decoder.hpp"
 #include "renderer/scene/gltf_import.hpp"
 
 namespace furnace {
@@ -251,7 +252,7 @@ TEST(Tangents, AgreeWithThoseOfAnExporter) {
   ModelBundle bundle;
   bundle.document = Blob(bytes.str());
   bundle.seal();
-  const Scene scene = import_gltf(bundle, {}, {}, Deadline());
+  const Scene scene = import_gltf(decode::in_process_decoder(), bundle, {}, {}, Deadline());
   for (const Mesh& supplied : scene.meshes) {
     ASSERT_FALSE(supplied.tangents.empty());
     Mesh generated = supplied;

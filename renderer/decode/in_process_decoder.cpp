@@ -1,0 +1,33 @@
+#include "renderer/decode/in_process_decoder.hpp"
+
+namespace furnace::decode {
+namespace {
+
+// Threads: any. Owns: nothing.
+class InProcessDecoder : public Decoder {
+ public:
+  DecodedTexture texture(std::span<const std::byte> file, ColorSpace color_space, const DecodeLimits& limits,
+                         const Deadline&) override {
+    return decode_texture(file, color_space, limits);
+  }
+  DecodedEnvironment environment(std::span<const std::byte> file, const DecodeLimits& limits,
+                                 const Deadline&) override {
+    return decode_environment(file, limits);
+  }
+  DracoMesh draco(std::span<const std::byte> bytes, const DracoRequest& request, const Deadline&) override {
+    return decode_draco(bytes, request);
+  }
+  std::vector<std::byte> meshopt(std::span<const std::byte> bytes, const MeshoptLayout& layout,
+                                 const Deadline&) override {
+    return decode_meshopt(bytes, layout);
+  }
+};
+
+}  // namespace
+
+Decoder& in_process_decoder() {
+  static InProcessDecoder decoder;
+  return decoder;
+}
+
+}  // namespace furnace::decode
