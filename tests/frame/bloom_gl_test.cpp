@@ -100,7 +100,7 @@ TEST_F(BloomGlTest, TilesDoNotShow) {
   RendererConfig config;
   config.gl = {"software", gl::Determinism::kExact};
   config.max_tile_px = 64;
-  Renderer tiled(config, pool);
+  Renderer tiled(config, pool, decode::in_process_decoder());
   const Film cut = tiled.render(spec, Deadline());
   const auto a = whole.image.samples<float>(), b = cut.image.samples<float>();
   for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-5f + 1e-5f * a[i]) << i;

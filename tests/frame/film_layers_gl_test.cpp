@@ -295,7 +295,7 @@ TEST_F(FilmLayersGlTest, TilesLeaveNoTrace) {
   RendererConfig config;
   config.gl = {"software", gl::Determinism::kExact};
   config.max_tile_px = 32;
-  Renderer tiled(config, pool);
+  Renderer tiled(config, pool, decode::in_process_decoder());
   RenderSpec spec = spec_of("torus", {}, glm::vec3(1));
   spec.output.width = 80;
   spec.output.samples = 2;
