@@ -1,0 +1,57 @@
+// What a glTF document tells that no picture needs: where it comes from, names, declared bounds, animations.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "renderer/scene/gltf_document.hpp"
+
+namespace furnace {
+
+enum class GltfInterpolation { kLinear, kStep, kCubicSpline };
+
+struct GltfAnimationSampler {
+  int input = 0;  // accessor: times, s
+  int output = 0;
+  GltfInterpolation interpolation = GltfInterpolation::kLinear;
+};
+
+struct GltfAnimationChannel {
+  int sampler = 0;
+  std::optional<int> node;
+  std::string path;  // "translation", "weights", ...
+};
+
+struct GltfAnimation {
+  std::string name;
+  std::vector<GltfAnimationSampler> samplers;
+  std::vector<GltfAnimationChannel> channels;
+};
+
+struct GltfAsset {
+  std::string version, generator, copyright;
+};
+
+// As declared for an accessor, as many as it has components; empty: not declared, or not so many numbers.
+struct GltfRange {
+  std::vector<double> min, max;
+};
+
+// Lists are as long as those of the document that they are about.
+struct GltfAbout {
+  GltfAsset asset;
+  std::vector<std::string> extensions_required;
+  std::vector<std::string> scene_names, skin_names, texture_names, image_names, image_media_types;
+  std::vector<GltfRange> ranges;                              // by accessor
+  std::vector<std::vector<std::string>> material_extensions;  // by material, sorted
+  std::vector<GltfAnimation> animations;
+  std::vector<int> extension_views;  // bufferViews that extensions name by a member "bufferView"
+  std::vector<Note> notes;           // animations that cannot be read; they are left empty
+};
+
+// `document` is that of the same bytes. Reads what is there and passes over what has a wrong type, since a render does
+// not ask for it either. Errors: those of JSON.
+GltfAbout read_gltf_about(const Blob& bytes, const GltfDocument& document);
+
+}  // namespace furnace
