@@ -10,8 +10,8 @@ namespace furnace {
 
 namespace {
 
-// Beyond it no decoder goes, and areas stay far from what 64 bits hold.
-constexpr std::uint32_t kMaxSidePx = 1 << 20;
+// Beyond it no decoder goes, and sums over millions of images stay far from what 64 bits hold.
+constexpr std::uint32_t kMaxSidePx = 1 << 16;
 
 std::optional<int> image_of(const GltfDocument& document, int texture) {
   return document.textures[static_cast<std::size_t>(texture)].image;
@@ -147,15 +147,17 @@ void report_materials(const ReportSource& source, ReportBudget& budget, ModelRep
 
 void report_images(const ReportSource& source, ReportBudget& budget, GltfNotes& notes, ModelReport& report) {
   ImageReporter reporter(source, budget, notes);
-  std::vector<ModelReport::ImageInfo> all;
-  for (std::size_t i = 0; i < source.document.images.size(); ++i) {
-    all.push_back(reporter.report(i));
-    report.bytes.images_encoded += all.back().encoded_bytes;
-    report.bytes.images_decoded += all.back().decoded_bytes;
-    report.bytes.images_gpu += all.back().gpu_bytes;
-  }
-  report.images =
-      budget.list<ModelReport::ImageInfo>(all.size(), [&](std::size_t i) { return std::move(all[i]); });
+  const std::size_t count = source.document.images.size();
+  const auto counted = [&](std::size_t i) {
+    ModelReport::ImageInfo info = reporter.report(i);
+    report.bytes.images_encoded += info.encoded_bytes;
+    report.bytes.images_decoded += info.decoded_bytes;
+    report.bytes.images_gpu += info.gpu_bytes;
+    return info;
+  };
+  report.images = budget.list<ModelReport::ImageInfo>(count, counted);
+  // The sums are of all, listed or not.
+  for (std::size_t i = report.images.items.size(); i < count; ++i) counted(i);
   report.missing_files = budget.texts(reporter.missing_files());
 }
 
