@@ -52,6 +52,12 @@ std::string_view render_request_schema() {
   return text;
 }
 
+std::string_view inspect_request_schema() {
+  static const std::string text =
+      OrderedJson::parse(contract_file("openapi.json"))["components"]["schemas"]["InspectRequest"].dump(2);
+  return text;
+}
+
 std::string openapi_document(std::string_view version) {
   OrderedJson document = OrderedJson::parse(contract_file("openapi.json"));
   OrderedJson schema = OrderedJson::parse(render_request_schema());

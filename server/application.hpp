@@ -59,6 +59,7 @@ class Application {
   const Config config_;
   Engine engine_;
   Metrics metrics_;
+  ReportStore reports_;
   Readiness readiness_;
   const Doors doors_;
   const Dispatcher public_dispatcher_;

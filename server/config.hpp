@@ -59,6 +59,7 @@ struct Config {
   std::int64_t gpu_cache_bytes = 1024ll << 20;
   std::int64_t file_cache_bytes = 256ll << 20;
   std::int64_t max_file_bytes = 512ll << 20;
+  std::int64_t report_cache_bytes = 8ll << 20;
 };
 
 using NamedValues =

@@ -1,9 +1,7 @@
 #include "server/routes.hpp"
 
 #include <algorithm>
-#include <map>
 #include <ranges>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -16,70 +14,24 @@
 #include "renderer/base/log.hpp"
 #include "api/contract.hpp"
 #include "api/document.hpp"
+#include "api/render_report.hpp"
 #include "api/render_request.hpp"
 #include "server/build_id.hpp"
 #include "server/environment_routes.hpp"
-#include "server/multipart.hpp"
+#include "server/inspect_routes.hpp"
 #include "server/negotiation.hpp"
+#include "server/request_body.hpp"
 
 namespace furnace {
 namespace {
 
 constexpr std::string_view kJson = "application/json";
+constexpr std::string_view kReports = "/v1/reports/";
 constexpr std::string_view kPlainText = "text/plain; charset=utf-8";
-constexpr std::string_view kRequestPart = "request";
 constexpr std::size_t kMaxNoteCodes = 8;  // in a header; the metrics count them all
 
 // --- POST /v1/renders
 // -------------------------------------------------------------------------------------------------
-
-// The two halves of a body: the document and the files it may name.
-struct RenderBody {
-  std::string_view document = "{}";
-  std::map<std::string, Blob> parts;
-};
-
-// A file is found under its part's name and its own name; a part name given twice (a form's multiple files)
-// under neither.
-std::map<std::string, Blob> named_files(const std::vector<Part>& parts) {
-  std::map<std::string, Blob> files;
-  std::map<std::string, int> uses;
-  for (const Part& part : parts) ++uses[part.name];
-  std::set<std::string> file_names;
-  for (const Part& part : parts) {
-    if (part.name == kRequestPart) continue;
-    const Blob blob{std::string(part.body)};
-    if (!part.file_name.empty() && !file_names.insert(part.file_name).second) {
-      fail(ErrorCode::kInvalidRequest,
-           fmt::format("Two parts have the file name {}.", api::quoted(part.file_name)));
-    }
-    if (uses[part.name] == 1) files[part.name] = blob;
-    if (!part.file_name.empty()) files.emplace(part.file_name, blob);
-  }
-  return files;
-}
-
-RenderBody read_multipart(const Request& request, int max_parts) {
-  RenderBody body;
-  const std::vector<Part> parts = parse_multipart(request.body, request.header("Content-Type"), max_parts);
-  const auto documents = std::ranges::count(parts, kRequestPart, &Part::name);
-  if (documents > 1) fail(ErrorCode::kInvalidRequest, "There is more than one part named request.");
-  if (documents == 1) body.document = std::ranges::find(parts, kRequestPart, &Part::name)->body;
-  body.parts = named_files(parts);
-  return body;
-}
-
-RenderBody read_body(const Request& request, int max_parts) {
-  const std::string type = media_type_essence(request.header("Content-Type"));
-  if (type == "multipart/form-data") return read_multipart(request, max_parts);
-  if (type.empty() && request.body.empty()) return {};
-  if (type != kJson) {
-    fail(ErrorCode::kUnsupportedMedia,
-         "Send the request as Content-Type: application/json, or as multipart/form-data with a part named "
-         "request.");
-  }
-  return {request.body, {}};
-}
 
 // What Accept likes best; of what it likes as much the first of the table, which is PNG.
 OutputFormat preferred_format(std::string_view accept) {
@@ -98,7 +50,7 @@ bool names_format(std::string_view document, const api::RequestLimits& limits) {
 }
 
 // A format in the document wins, unless Accept excludes it; without one Accept chooses.
-RenderSpec parse_spec(const RenderBody& body, std::string_view accept, const Doors& doors) {
+RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Doors& doors) {
   const OutputFormat preferred = preferred_format(accept);
   const api::Capabilities& can = doors.capabilities;
   const AssetResolver assets(doors.files, body.parts, can.import,
@@ -112,15 +64,42 @@ RenderSpec parse_spec(const RenderBody& body, std::string_view accept, const Doo
   return spec;
 }
 
-std::string server_timing(const StageTimes& times) {
-  const auto stage = [](std::string_view name, double ms, bool hit, std::string_view where = "hit") {
-    return fmt::format("{}{}{};dur={:.2f}", name, hit ? ";desc=" : "", hit ? where : "", ms);
+std::vector<api::RenderReport::Stage> stages_of(const StageTimes& times) {
+  const auto where = [](bool hit, std::string_view cache = "hit") {
+    return hit ? cache : std::string_view();
   };
-  return fmt::format("{}, {}, {}, {}, {}, {}, {}", stage("queue", times.queue_ms, false),
-                     stage("decode", times.decode_ms, times.decode_hit),
-                     stage("bake", times.bake_ms, times.bake_hit, times.bake_from_disk ? "disk" : "hit"),
-                     stage("upload", times.upload_ms, times.upload_hit), stage("draw", times.draw_ms, false),
-                     stage("readback", times.readback_ms, false), stage("encode", times.encode_ms, false));
+  return {{"queue", times.queue_ms, {}},
+          {"decode", times.decode_ms, where(times.decode_hit)},
+          {"bake", times.bake_ms, where(times.bake_hit, times.bake_from_disk ? "disk" : "hit")},
+          {"upload", times.upload_ms, where(times.upload_hit)},
+          {"draw", times.draw_ms, {}},
+          {"readback", times.readback_ms, {}},
+          {"encode", times.encode_ms, {}}};
+}
+
+std::string server_timing(const std::vector<api::RenderReport::Stage>& stages) {
+  const auto text = [](const api::RenderReport::Stage& stage) {
+    return fmt::format("{}{}{};dur={:.2f}", stage.name, stage.cache.empty() ? "" : ";desc=", stage.cache,
+                       stage.ms);
+  };
+  return fmt::format("{}", fmt::join(stages | std::views::transform(text), ", "));
+}
+
+api::RenderReport report_of(const RenderSpec& spec, const EncodedImage& image, const Doors& doors,
+                            const std::string& etag) {
+  api::RenderReport report;
+  report.request = spec_hash(spec).hex();
+  report.fingerprint = doors.service.fingerprint();
+  report.etag = etag;
+  report.media_type = image.media_type;
+  report.width = spec.output.width;
+  report.height = spec.output.height;
+  report.samples = spec.output.samples;
+  report.bytes = std::int64_t(image.bytes.size());
+  report.exposure_ev = image.exposure_ev;
+  report.stages = stages_of(image.times);
+  report.notes = image.notes;
+  return report;
 }
 
 // A structured field (RFC 8941): how many notes, and their codes, each once.
@@ -134,7 +113,10 @@ std::string notes_field(const std::vector<Note>& notes) {
   return fmt::format("{};codes=\"{}\"", notes.size(), fmt::join(codes, " "));
 }
 
+// The link only where the report is still kept.
 Reply& with_validators(Reply& reply, const Doors& doors, const std::string& etag) {
+  if (doors.reports.find(etag))
+    reply.with("Link", fmt::format("<{}{}>; rel=\"describedby\"; type=\"{}\"", kReports, etag, kJson));
   return reply.with("ETag", '"' + etag + '"')
       .with("Vary", "Accept")
       .with("Cache-Control", "no-cache")
@@ -161,11 +143,22 @@ Reply post_render(const Doors& doors, const Request& request) {
   for (const Note& note : image.notes) {
     log::info("render.note", {{"code", note.code}, {"pointer", note.pointer}, {"message", note.message}});
   }
+  doors.reports.put(etag, api::render_report_json(report_of(spec, image, doors, etag)));
   Reply reply{200, std::string(image.media_type), std::move(image.bytes), {}};
-  reply.with("Server-Timing", server_timing(image.times))
+  reply.with("Server-Timing", server_timing(stages_of(image.times)))
       .with("Furnace-Notes", notes_field(image.notes))
       .with("Furnace-Exposure-Ev", fmt::format("{}", image.exposure_ev));
   return with_validators(reply, doors, etag);
+}
+
+Reply get_report(const Doors& doors, const Request& request) {
+  std::optional<std::string> report = doors.reports.find(request.path.substr(kReports.size()));
+  if (!report) {
+    fail(ErrorCode::kNotFound,
+         "There is no such report. They are kept for a while only; the next render of the same request makes "
+         "it again.");
+  }
+  return Reply{200, std::string(kJson), *std::move(report), {}}.with("Cache-Control", "no-cache");
 }
 
 // --- documents
@@ -186,6 +179,7 @@ std::string welcome() {
       "Furnace {}: one JSON document describes one picture.\n\n"
       "  curl -X POST http://HOST:PORT/v1/renders -H 'Content-Type: application/json' -d '{{}}' -o "
       "picture.png\n\n"
+      "POST /v1/inspect         what is in a model\n"
       "PUT /v1/environments/NAME  names an HDRI; its report and its baked maps\n"
       "GET /v1/schema.json      every field of the document, with unit, range and default\n"
       "GET /openapi.json        the whole API\n"
@@ -257,6 +251,10 @@ std::vector<Route> public_routes(const Doors& doors, bool with_metrics) {
   std::vector<Route> routes = operation_routes(doors, with_metrics);
   routes.push_back(
       {"POST", "/v1/renders", [doors](const Request& request) { return post_render(doors, request); }});
+  routes.push_back(
+      {"GET", "/v1/reports/*", [doors](const Request& request) { return get_report(doors, request); }});
+  routes.push_back(
+      {"POST", "/v1/inspect", [doors](const Request& request) { return post_inspect(doors, request); }});
   routes.push_back(
       document("/v1/schema.json", "application/schema+json", std::string(api::render_request_schema())));
   routes.push_back(document("/openapi.json", kJson, api::openapi_document(version())));

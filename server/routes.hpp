@@ -13,6 +13,7 @@
 #include "server/environment_registry.hpp"
 #include "server/metrics.hpp"
 #include "server/render_service.hpp"
+#include "server/report_store.hpp"
 
 namespace furnace {
 
@@ -45,7 +46,9 @@ struct Doors {
   RenderService& service;
   Admission& admission;
   FileAssets& files;
+  Decoder& decoder;
   EnvironmentRegistry& environments;
+  ReportStore& reports;
   Readiness& readiness;
   Metrics& metrics;
   api::Capabilities capabilities;  // with the limits that requests are held to

@@ -123,6 +123,8 @@ constexpr std::array kSettings = {
            "files below --assets kept in memory"),
     number("max-file", &Config::max_file_bytes, Unit::kBytes, 1024, 1024 * kGiB,
            "largest file below --assets"),
+    number("report-cache", &Config::report_cache_bytes, Unit::kBytes, 0, 64 * kGiB,
+           "reports of the last renders kept in memory for /v1/reports"),
 };
 
 struct Suffix {

@@ -183,12 +183,11 @@ std::string decode_data_uri(std::string_view uri, const std::string& pointer) {
   return base64 ? base64_decoded(payload, pointer) : percent_decoded(payload, pointer);
 }
 
-std::string shortened(std::string_view name) {
-  constexpr std::size_t kMaxBytes = 100;
-  if (name.size() <= kMaxBytes) return std::string(name);
-  std::size_t size = kMaxBytes;
-  while (size > 0 && (static_cast<unsigned char>(name[size]) & 0xC0) == 0x80) --size;
-  return std::string(name.substr(0, size)) + "...";
+std::string shortened(std::string_view text, std::size_t max_bytes) {
+  if (text.size() <= max_bytes) return std::string(text);
+  std::size_t size = max_bytes;
+  while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xC0) == 0x80) --size;
+  return std::string(text.substr(0, size)) + "...";
 }
 
 }  // namespace furnace

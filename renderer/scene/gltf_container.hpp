@@ -33,7 +33,7 @@ std::string decode_relative_uri(std::string_view uri, const std::string& pointer
 // kUnprocessable.
 std::string decode_data_uri(std::string_view uri, const std::string& pointer);
 
-// At most about 100 bytes of a name in the document, for messages; never cuts a character of UTF-8.
-std::string shortened(std::string_view name);
+// At most about `max_bytes` of a text of the document, for messages and reports; never cuts a character of UTF-8.
+std::string shortened(std::string_view text, std::size_t max_bytes = 100);
 
 }  // namespace furnace

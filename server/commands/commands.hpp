@@ -26,6 +26,7 @@ struct Command {
 Command serve_command(CLI::App& root);
 Command render_command(CLI::App& root);
 Command bake_command(CLI::App& root);
+Command inspect_command(CLI::App& root);
 Command doctor_command(CLI::App& root);
 Command check_config_command(CLI::App& root);
 Command version_command(CLI::App& root);

@@ -7,6 +7,9 @@
 #include "embedded_contract.hpp"
 
 #include "api/capabilities.hpp"
+#include "api/model_report.hpp"
+#include "api/render_report.hpp"
+#include "renderer/decode/in_process_decoder.hpp"
 #include "renderer/scene/procedural.hpp"
 #include "tests/api/request_fixture.hpp"
 
@@ -113,6 +116,45 @@ TEST(Contract, ProblemExampleIsWhatSuchARequestGets) {
   const Error error = refusal(R"({"output":{"width":0}})");
   EXPECT_THAT(check_against(schema, json_text(schema["examples"].at(0))), testing::IsEmpty());
   EXPECT_EQ(schema["examples"].at(0)["detail"].text(), error.message);
+}
+
+// A schema of components, with all that it refers to.
+std::vector<Problem> check_component(const std::string& name, std::string_view json) {
+  const Document document = openapi();
+  const std::string schema = R"({"$ref":"#/components/schemas/)" + name + R"(","components":)" +
+                             json_text(document.root()["components"]) + "}";
+  return Schema(schema).problems(Document::parse(json, {}));
+}
+
+TEST(Contract, ReportsFitTheirSchemas) {
+  const Document document = openapi();
+  const Value example = document.root()["components"]["schemas"]["ModelReport"]["examples"].at(0);
+  EXPECT_THAT(check_component("ModelReport", json_text(example)), testing::IsEmpty());
+  EXPECT_THAT(check_component("ModelReport", "{}"), testing::Not(testing::IsEmpty()));
+
+  ModelBundle bundle;
+  bundle.document = Blob(std::string(
+      R"({"asset":{"version":"2.0"},"nodes":[{"camera":0}],"images":[{"uri":"gone.png"}],"materials":[{}],
+      "cameras":[{"type":"perspective","perspective":{"yfov":1,"znear":0.1}}]})"));
+  const std::string text =
+      model_report_json(inspect_gltf(decode::in_process_decoder(), bundle, {}, {}, Deadline()));
+  EXPECT_THAT(check_component("ModelReport", text), testing::IsEmpty()) << text;
+  const Document report = Document::parse(text, {});
+  EXPECT_EQ(report.root()["missingFiles"].at(0).text(), "gone.png");
+  // The table of members says all that is written, and a report says all that the example says.
+  const Value properties = document.root()["components"]["schemas"]["ModelReport"]["properties"];
+  for (const auto& [key, member] : report.root().members()) EXPECT_TRUE(properties[key]) << key;
+  for (const auto& [key, member] : example.members()) EXPECT_TRUE(report.root()[key]) << key;
+
+  RenderReport render;
+  render.stages = {{"draw", 1.5, {}}, {"bake", 0, "disk"}};
+  render.notes = {{"image-missing", "/images/0", "is \xff missing"}};
+  EXPECT_THAT(check_component("RenderReport", render_report_json(render)), testing::IsEmpty());
+  for (const auto& [name, request] :
+       document
+           .root()["paths"]["/v1/inspect"]["post"]["requestBody"]["content"]["application/json"]["examples"]
+           .members())
+    EXPECT_THAT(check_component("InspectRequest", json_text(request["value"])), testing::IsEmpty()) << name;
 }
 
 TEST(Capabilities, FitTheirSchemaAndTellTheTables) {

@@ -43,6 +43,27 @@ class CommandLine(Case):
             with open(os.path.join(folder, "out.exr"), "rb") as file:
                 self.assertEqual(file.read(4), b"\x76\x2f\x31\x01")
 
+    def test_inspect_a_model(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, content in support.textured_quad().items():
+                with open(os.path.join(folder, name), "wb") as file:
+                    file.write(content)
+            report = json.loads(self.run_furnace("inspect", "quad.gltf", folder=folder).stdout)
+            self.assertEqual(report["drawn"]["triangles"], 2)
+            self.assertEqual(report["drawn"]["bounds"], {"min": [-1, -1, 0], "max": [1, 1, 0]})
+            self.assertEqual([(image["format"], image["width"]) for image in report["images"]], [("PNG", 4)])
+            self.assertIn(b"draws 2 triangles", self.run_furnace("inspect", "--text", "quad.gltf", folder=folder).stdout)
+            os.remove(os.path.join(folder, "red.png"))
+            report = json.loads(self.run_furnace("inspect", "quad.gltf", folder=folder).stdout)
+            self.assertEqual(report["missingFiles"], ["red.png"])
+            os.remove(os.path.join(folder, "quad.bin"))
+            done = self.run_furnace("inspect", "quad.gltf", status=1, folder=folder)
+            self.assertIn(b"/buffers/0/uri", done.stderr)
+        done = self.run_furnace("inspect", "-", data=b'{"asset":{"version":"2.0"}}')
+        self.assertEqual(json.loads(done.stdout)["nodes"], 0)
+        self.run_furnace("inspect", "-", data=b"no model", status=1)
+        self.run_furnace("inspect", "absent.glb", status=1)
+
     def test_options_override_a_request(self):
         with tempfile.TemporaryDirectory() as folder:
             with open(os.path.join(folder, "request.json"), "w", encoding="utf-8") as file:

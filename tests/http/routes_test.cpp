@@ -1,7 +1,12 @@
 // The whole API without a socket and without GL.
 #include "server/routes.hpp"
 
+#include <filesystem>
+#include <fstream>
 #include <memory>
+#include <regex>
+#include <set>
+#include <sstream>
 #include <string>
 #include <thread>
 
@@ -72,7 +77,10 @@ class RoutesTest : public ::testing::Test {
       pool_,
       decode::in_process_decoder(),
       {}};
-  const Doors doors_{service_, admission_, files_, environments_, readiness_, metrics_, {}, 4};
+  ReportStore reports_{1 << 20};
+  const Doors doors_{
+      service_, admission_, files_, decode::in_process_decoder(), environments_, reports_, readiness_,
+      metrics_, {},         4};
   const Dispatcher dispatcher_{public_routes(doors_, true), metrics_};
 };
 
@@ -162,6 +170,118 @@ TEST_F(RoutesTest, FilesOfAMultipartRequest) {
 TEST_F(RoutesTest, NotesAreCounted) {
   fake_.notes = {{"a", "", ""}, {"b", "", ""}, {"a", "", ""}};
   EXPECT_EQ(header(post(kSmall), "Furnace-Notes"), "3;codes=\"a b\"");
+}
+
+TEST_F(RoutesTest, APictureLinksToItsReport) {
+  fake_.notes = {{"image-missing", "/images/1", "the file b.png is missing"}};
+  const Reply picture = post(kSmall);
+  const std::string tag = header(picture, "ETag").substr(1, 64), path = "/v1/reports/" + tag;
+  EXPECT_EQ(header(picture, "Link"), "<" + path + ">; rel=\"describedby\"; type=\"application/json\"");
+  const Reply reply = get(path);
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  const api::Document document = api::Document::parse(reply.body, {});
+  const api::Value report = document.root();
+  EXPECT_EQ(report["etag"].text(), tag);
+  EXPECT_EQ(report["fingerprint"].text(), "fake/1");
+  EXPECT_EQ(report["mediaType"].text(), "image/png");
+  EXPECT_EQ(report["width"].integer(), 8);
+  EXPECT_EQ(report["bytes"].integer(), int(picture.body.size()));
+  EXPECT_EQ(report["exposureEv"].number(), 0.25);
+  ASSERT_EQ(report["stages"].size(), 7u);
+  EXPECT_EQ(report["stages"].at(4)["name"].text(), "draw");
+  ASSERT_EQ(report["notes"].size(), 1u);
+  EXPECT_EQ(report["notes"].at(0)["code"].text(), "image-missing");
+  EXPECT_EQ(report["notes"].at(0)["pointer"].text(), "/images/1");
+  EXPECT_EQ(header(post(kSmall, {{"If-None-Match", header(picture, "ETag")}}), "Link"),
+            header(picture, "Link"));
+  expect_problem(get("/v1/reports/" + std::string(64, '0')), 404);
+  expect_problem(get("/v1/reports/"), 404);
+}
+
+TEST(ReportStore, KeepsTheLastWithinItsBudget) {
+  ReportStore store(3000);
+  store.put("a", std::string(1000, 'a'));
+  store.put("b", std::string(1000, 'b'));
+  EXPECT_TRUE(store.find("a"));
+  store.put("c", std::string(1000, 'c'));  // "b" was asked for least recently
+  EXPECT_FALSE(store.find("b"));
+  EXPECT_EQ(store.find("a"), std::string(1000, 'a'));
+  store.put("a", "new");
+  EXPECT_EQ(store.find("a"), "new");
+  store.put("c", std::string(9000, 'c'));
+  EXPECT_FALSE(store.find("c"));
+  EXPECT_TRUE(store.find("a")) << "what does not fit drives nothing out";
+  ReportStore none(0);
+  none.put("a", "a");
+  EXPECT_FALSE(none.find("a"));
+}
+
+// A triangle without normals, its buffer in the document.
+constexpr const char* kTriangle =
+    R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+    "accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":3}],
+    "bufferViews":[{"buffer":0,"byteLength":36}],
+    "buffers":[{"byteLength":36,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+
+TEST_F(RoutesTest, WhatIsInAModel) {
+  const auto inspect = [&](std::string body, std::string type) {
+    Request request;
+    request.method = "POST";
+    request.path = "/v1/inspect";
+    request.headers["Content-Type"] = std::move(type);
+    request.body = std::move(body);
+    return send(request);
+  };
+  const auto multipart = [&](const std::string& document) {
+    const std::string head = "--B\r\nContent-Disposition: form-data; name=\"";
+    return inspect(
+        head + "request\"\r\n\r\n" + document + "\r\n" + head + "t.gltf\"\r\n\r\n" + kTriangle + "\r\n--B--",
+        "multipart/form-data; boundary=B");
+  };
+  for (const Reply& reply :
+       {inspect(kTriangle, "model/gltf+json"), multipart(R"({"model":"part:t.gltf","gltfScene":-1})"),
+        multipart(R"({"model":"part:t.gltf"})")}) {
+    if (reply.status != 200) {
+      EXPECT_THAT(reply.body, HasSubstr("/gltfScene"));
+      continue;
+    }
+    const api::Document document = api::Document::parse(reply.body, {});
+    const api::Value report = document.root();
+    EXPECT_EQ(report["drawn"]["triangles"].integer(), 1);
+    EXPECT_EQ(report["drawn"]["bounds"]["max"].at(1).number(), 1);
+    EXPECT_EQ(report["notes"].at(0)["code"].text(), "normals-generated");
+  }
+  expect_problem(multipart(R"({"model":"part:t.gltf","gltfScene":-1})"), 422);
+  expect_problem(multipart(R"({"model":"part:t.gltf","variant":"night"})"), 422);
+  expect_problem(multipart(R"({"model":"part:other.gltf"})"), 404);
+  expect_problem(multipart("{}"), 422);
+  expect_problem(inspect("{", "application/json"), 400);
+  expect_problem(inspect("glTF", "model/gltf-binary"), 422);
+  expect_problem(inspect(kTriangle, "text/plain"), 415);
+  const auto seat = admission_.enter({});
+  expect_problem(inspect(kTriangle, "model/gltf+json"), 429);
+}
+
+// Whatever the importer notes is an error under "strict": the codes are read from its sources.
+TEST_F(RoutesTest, StrictRefusesEveryNoteOfTheImporter) {
+  const std::filesystem::path folder = std::filesystem::path(FURNACE_SOURCE_DIR) / "renderer/scene";
+  const std::regex call(R"(notes_?\.add\(\s*\"([a-z0-9-]+)\")");
+  std::set<std::string> codes;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    std::stringstream text;
+    text << std::ifstream(entry.path()).rdbuf();
+    const std::string source = text.str();
+    for (std::sregex_iterator match(source.begin(), source.end(), call), end; match != end; ++match)
+      codes.insert((*match)[1]);
+  }
+  EXPECT_GE(codes.size(), 12u);
+  for (const std::string& code : codes) {
+    fake_.notes = {{code, "/a/b", "what happened"}};
+    const Reply reply = post(R"({"strict":true,"output":{"width":8,"height":8}})");
+    expect_problem(reply, 422);
+    EXPECT_THAT(reply.body, HasSubstr(code + ": what happened"));
+    EXPECT_THAT(reply.body, HasSubstr("/a/b"));
+  }
 }
 
 TEST_F(RoutesTest, StrangersAndWrongMethods) {

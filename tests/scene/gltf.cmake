@@ -6,3 +6,4 @@ furnace_test(scene_gltf LABEL unit
 furnace_test(scene_tangents LABEL unit SOURCES tangents_test.cpp LINK furnace_decode)
 furnace_test(scene_compression LABEL unit SOURCES draco_test.cpp meshopt_test.cpp
   LINK furnace_decode nlohmann_json::nlohmann_json draco::draco meshoptimizer::meshoptimizer)
+furnace_test(model_report_test LABEL unit SOURCES model_report_test.cpp LINK furnace_decode nlohmann_json::nlohmann_json)

@@ -1,0 +1,35 @@
+#include "server/inspect_routes.hpp"
+
+#include "api/inspect_request.hpp"
+#include "api/model_report.hpp"
+#include "server/negotiation.hpp"
+#include "server/request_body.hpp"
+
+namespace furnace {
+namespace {
+
+constexpr std::string_view kModelPart = "model";
+constexpr std::string_view kWholeModel = R"({"model":"part:model"})";
+
+RequestBody read_inspect_body(const Request& request, int max_parts) {
+  const std::string type = media_type_essence(request.header("Content-Type"));
+  if (type != "model/gltf-binary" && type != "model/gltf+json") return read_body(request, max_parts);
+  return {kWholeModel, {{std::string(kModelPart), Blob(std::string(request.body))}}};
+}
+
+}  // namespace
+
+Reply post_inspect(const Doors& doors, const Request& request) {
+  RequestBody body = read_inspect_body(request, doors.max_parts);
+  const AssetResolver assets(doors.files, std::move(body.parts), doors.capabilities.import);
+  const api::InspectRequest wanted =
+      api::parse_inspect_request(body.document, assets, doors.capabilities.request);
+  const Admission::Seat seat = doors.admission.enter(request.deadline);
+  const ModelReport report = with_context("/model", [&] {
+    return inspect_gltf(doors.decoder, *wanted.model, wanted.options, doors.capabilities.import,
+                        request.deadline);
+  });
+  return Reply{200, "application/json", api::model_report_json(report), {}}.with("Cache-Control", "no-store");
+}
+
+}  // namespace furnace
