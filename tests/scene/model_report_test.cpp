@@ -228,7 +228,8 @@ TEST(ModelReport, DamageEndsAsItDoesForTheImporter) {
     ModelBundle bundle = whole;
     bundle.document = Blob(damaged);
     bundle.seal();
-    const auto imported = error_of([&] { import_gltf(bundle, {}, {}, Deadline()); });
+    const auto imported =
+        error_of([&] { import_gltf(decode::in_process_decoder(), bundle, {}, {}, Deadline()); });
     const auto inspected =
         error_of([&] { inspect_gltf(decode::in_process_decoder(), bundle, {}, {}, Deadline()); });
     ASSERT_EQ(imported.has_value(), inspected.has_value())
