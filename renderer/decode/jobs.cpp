@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "renderer/base/error.hpp"
+
 namespace furnace::decode {
 namespace {
 
@@ -31,6 +33,20 @@ std::int64_t TextureJob::largest_result_bytes() const {
 bool TextureJob::accepts(const Image& image) const {
   const bool has_type = image.type == SampleType::kUint8 || image.type == SampleType::kUint16;
   return has_type && image.color_space == color_space && is_whole(image, limits);
+}
+
+PlainModel ModelJob::run(Bytes file) const {
+  if (document_bytes > file.size()) fail(ErrorCode::kInternal, "a model is shorter than was said");
+  const Bytes materials = file.subspan(document_bytes);
+  return decode_model(file.first(document_bytes),
+                      {reinterpret_cast<const char*>(materials.data()), materials.size()}, format, limits);
+}
+
+std::int64_t ModelJob::largest_result_bytes() const {
+  // Names have less than a KiB each: assimp's strings hold no more.
+  constexpr std::int64_t kTextBytes = (2 + kPlainTextures) * 1024;
+  constexpr auto kNamedBytes = std::int64_t(kTextBytes + sizeof(PlainMaterial) + sizeof(PlainPart));
+  return limits.max_bytes + limits.max_materials * kNamedBytes;
 }
 
 std::int64_t EnvironmentJob::largest_result_bytes() const {

@@ -9,12 +9,14 @@
 
 #include "renderer/decode/wire.hpp"
 #include "renderer/image/decode.hpp"
+#include "renderer/scene/plain_model.hpp"
 
 namespace furnace::decode {
 
 enum class JobKind : std::uint8_t {
   kTexture = 1,
   kEnvironment = 2,
+  kModel = 3,
   kFirstOfTests = 200,  // no program that ships knows these
 };
 
@@ -43,6 +45,20 @@ struct EnvironmentJob {
   DecodedEnvironment run(Bytes file) const { return decode_environment(file, limits); }
   std::int64_t largest_result_bytes() const;
   bool accepts(const DecodedEnvironment& environment) const;
+};
+
+struct ModelJob {
+  using Result = PlainModel;
+  static constexpr JobKind kKind = JobKind::kModel;
+  static constexpr std::string_view kName = "model";
+
+  ModelFormat format = ModelFormat::kObj;
+  std::uint64_t document_bytes = 0;  // of the file; behind them the text of its materials
+  PlainModelLimits limits;
+
+  PlainModel run(Bytes file) const;
+  std::int64_t largest_result_bytes() const;
+  bool accepts(const PlainModel& model) const { return is_sound(model, limits); }
 };
 
 // Whether it has the shape that the limits allow, and as many bytes as that shape needs.
@@ -84,6 +100,28 @@ void fields(Wire& wire, WireValue<Wire, DecodedEnvironment>& environment) {
 }
 
 template <class Wire>
+void fields(Wire& wire, WireValue<Wire, PlainModelLimits>& limits) {
+  auto& [max_vertices, max_elements, max_bytes, max_materials] = limits;
+  wire.number(max_vertices);
+  wire.number(max_elements);
+  wire.number(max_bytes);
+  wire.number(max_materials);
+}
+
+template <class Wire>
+void fields(Wire& wire, WireValue<Wire, PlainModel>& model) {
+  auto& [text, materials, parts, positions, normals, uvs, colors, indices] = model;
+  wire.array(text);
+  wire.array(materials);
+  wire.array(parts);
+  wire.array(positions);
+  wire.array(normals);
+  wire.array(uvs);
+  wire.array(colors);
+  wire.array(indices);
+}
+
+template <class Wire>
 void fields(Wire& wire, WireValue<Wire, TextureJob>& job) {
   wire.choice(job.color_space, ColorSpace::kNonColor);
   fields(wire, job.limits);
@@ -91,6 +129,13 @@ void fields(Wire& wire, WireValue<Wire, TextureJob>& job) {
 
 template <class Wire>
 void fields(Wire& wire, WireValue<Wire, EnvironmentJob>& job) {
+  fields(wire, job.limits);
+}
+
+template <class Wire>
+void fields(Wire& wire, WireValue<Wire, ModelJob>& job) {
+  wire.choice(job.format, ModelFormat::kPly);
+  wire.number(job.document_bytes);
   fields(wire, job.limits);
 }
 

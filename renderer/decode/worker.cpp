@@ -14,7 +14,7 @@ namespace furnace::decode {
 namespace {
 
 constexpr int kWrongUsage = 2;
-constexpr std::array kJobs = {job_row<TextureJob>(), job_row<EnvironmentJob>()};
+constexpr std::array kJobs = {job_row<TextureJob>(), job_row<EnvironmentJob>(), job_row<ModelJob>()};
 
 template <class Number>
 std::optional<Number> number_of(std::string_view text) {

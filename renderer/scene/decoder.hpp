@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <span>
+#include <string_view>
 
 #include "renderer/base/deadline.hpp"
 #include "renderer/image/decode.hpp"
+#include "renderer/scene/plain_model.hpp"
 
 namespace furnace {
 
@@ -22,6 +24,9 @@ class Decoder {
   // As decode_environment.
   virtual DecodedEnvironment environment(std::span<const std::byte> file, const DecodeLimits& limits,
                                          const Deadline& deadline) = 0;
+  // As decode_model.
+  virtual PlainModel model(std::span<const std::byte> document, std::string_view materials,
+                           ModelFormat format, const PlainModelLimits& limits, const Deadline& deadline) = 0;
 };
 
 }  // namespace furnace

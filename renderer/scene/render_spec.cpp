@@ -113,8 +113,9 @@ class CanonicalHash {
   }
 
   void add(const SceneSpec& value) {
-    const auto& [model, gltf_scene, variant, nodes, materials, shading_model, lights, model_lights] = value;
-    add_all(model, gltf_scene, variant, nodes, materials, shading_model, lights, model_lights);
+    const auto& [model, gltf_scene, variant, up_axis, nodes, materials, shading_model, lights, model_lights] =
+        value;
+    add_all(model, gltf_scene, variant, up_axis, nodes, materials, shading_model, lights, model_lights);
   }
 
   void add(const BuiltinName& value) {

@@ -28,6 +28,7 @@ struct RenderOptions {
   std::optional<std::string> sun;
   std::optional<std::string> visibility;
   std::optional<std::string> variant;  // of the model's materials, by name
+  std::optional<std::string> up_axis;  // of a model that is no glTF: y or z
   std::optional<std::string> shading_model;
   bool ground = false;
 };

@@ -37,6 +37,7 @@ constexpr FieldRow kFieldRows[] = {
     {"/scene/materials/doubleSided", R"({"scene":{"materials":{"m":{"doubleSided":@}}}})", "true", "false"},
     {"/scene/materials/unlit", R"({"scene":{"materials":{"m":{"unlit":@}}}})", "true", "false"},
     {"/scene/variant", R"({"scene":{"model":"part:model.gltf","variant":@}})", R"("a")", R"("b")"},
+    {"/scene/upAxis", R"({"scene":{"model":"part:model.obj","upAxis":@}})", R"("y")", R"("z")"},
     {"/scene/shadingModel", R"({"scene":{"shadingModel":@}})", R"("pbr")", R"("phong")"},
     {"/scene/materials/model", R"({"scene":{"materials":{"m":{"model":@}}}})", R"("pbr")",
      R"("blinn-phong")"},

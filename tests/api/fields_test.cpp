@@ -95,8 +95,8 @@ TEST(Fields, OnlyOptionalThingsHaveNoDefault) {
     const bool stated = static_cast<bool>(leaf.declared["default"]);
     const bool needs_none =
         leaf.path.starts_with("/scene/materials") || leaf.path == "/scene/model" ||
-        leaf.path == "/scene/gltfScene" || leaf.path == "/scene/variant" || leaf.path == "/texture/map" ||
-        leaf.path == "/scene/nodes/mesh" || leaf.path == "/scene/nodes/name" ||
+        leaf.path == "/scene/gltfScene" || leaf.path == "/scene/upAxis" || leaf.path == "/scene/variant" ||
+        leaf.path == "/texture/map" || leaf.path == "/scene/nodes/mesh" || leaf.path == "/scene/nodes/name" ||
         leaf.path == "/scene/nodes/material" || leaf.path == "/map:color/color" ||
         leaf.path.ends_with("/stops/color") || leaf.path.ends_with("/stops/elevationDegrees") ||
         leaf.path == "/map:clear-sky/dateTime" || leaf.path == "/map:clear-sky/latitudeDegrees" ||

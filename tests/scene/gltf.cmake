@@ -4,3 +4,4 @@ furnace_test(scene_gltf LABEL unit
     gltf_variants_test.cpp
   LINK furnace_scene nlohmann_json::nlohmann_json)
 furnace_test(scene_tangents LABEL unit SOURCES tangents_test.cpp LINK furnace_scene)
+furnace_test(scene_models LABEL unit SOURCES model_format_test.cpp model_import_test.cpp LINK furnace_decode)
