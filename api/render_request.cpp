@@ -66,11 +66,27 @@ class Reader {
     read(scene["gltfScene"], spec.gltf_scene);
     read(scene["variant"], spec.variant);
     read_animations(scene, spec);
-    if (scene["model"] && !scene["model"].text().starts_with(kBuiltin)) return;
-    for (const std::string_view key : {"gltfScene", "variant", "animation", "animations"})
-      if (scene[key])
+    static constexpr Choice<UpAxis> kUpAxes[] = {{"y", UpAxis::kY}, {"z", UpAxis::kZ}};
+    if (const Value up = scene["upAxis"]) read_choice(up, kUpAxes, spec.up_axis.emplace());
+    check_model_fields(scene, spec);
+  }
+
+  // A file that could not be read has been told, and has no format.
+  void check_model_fields(const Value& scene, const SceneSpec& spec) {
+    const Value model = scene["model"];
+    const bool is_file = model && !model.text().starts_with(kBuiltin);
+    const bool is_gltf = is_file && (!spec.model || spec.model->format == ModelFormat::kGltf);
+    const bool is_other = is_file && (!spec.model || spec.model->format != ModelFormat::kGltf);
+    const auto needs = [&](const char* key, bool has, std::string_view what) {
+      if (scene[key] && !has)
         faults_.add(ErrorCode::kUnprocessable, scene[key],
-                    "needs a glTF file as \"model\"; leave it out or name one");
+                    fmt::format("needs {} as \"model\"; leave it out or name one", what));
+    };
+    needs("gltfScene", is_gltf, "a glTF file");
+    needs("variant", is_gltf, "a glTF file");
+    needs("animation", is_gltf, "a glTF file");
+    needs("animations", is_gltf, "a glTF file");
+    needs("upAxis", is_other, "an OBJ, STL or PLY file");
   }
 
   void read_animations(const Value& scene, SceneSpec& spec) {

@@ -12,6 +12,7 @@
 #include "renderer/frame/sky_plan.hpp"
 #include "renderer/ibl/light_cells.hpp"
 #include "renderer/residency/gpu_blocks.hpp"
+#include "renderer/scene/model_import.hpp"
 #include "renderer/scene/occluder.hpp"
 #include "renderer/prepare.hpp"
 
@@ -99,11 +100,14 @@ std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, 
         HashBuilder key;
         key.add(spec.model->hash).add(std::int64_t(spec.gltf_scene));
         if (spec.variant) key.add(*spec.variant);
+        if (spec.up_axis) key.add("up").add(std::int64_t(*spec.up_axis));
         RenderSpec animated;
         animated.scene.animations = spec.animations;
         key.add(spec_hash(animated));
         const auto model = imports_.get_or_load(key.finish(), deadline, [&] {
           return with_context("/scene/model", [&] {
+            if (spec.model->format != ModelFormat::kGltf)
+              return import_model(*spec.model, spec.up_axis, config_.import, decoder_, deadline);
             return import_gltf(decoder_, *spec.model,
                                ImportOptions{spec.gltf_scene, spec.variant, spec.animations},
                                config_.import, deadline);

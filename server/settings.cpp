@@ -82,17 +82,17 @@ constexpr std::array kSettings = {
            "film layers of one picture, as they are drawn"),
 
     text("decoder-sandbox", &Config::decoder_sandbox, Unit::kChoice,
-         "images and compressed meshes are decoded in child processes that may do nothing else; require: do "
+         "images, compressed meshes and models other than glTF are decoded in child processes that may do nothing else; require: do "
          "not start where the system cannot confine them; prefer: then do without, and warn; off: decode in "
          "the server's own process",
          "require|prefer|off"),
     number("decoders", &Config::decoders, Unit::kCount, 0, 1024, "child processes that decode; 0: cores"),
     number("decoder-timeout", &Config::decoder_timeout_ms, Unit::kDuration, 1, 3600 * kSecond,
-           "time of one image or mesh; more is 422"),
+           "time of one file or mesh; more is 422"),
     number("decoder-memory", &Config::decoder_memory_bytes, Unit::kBytes, 64 * kMiB, 1024 * kGiB,
            "memory of one child while it decodes; more is 422"),
     number("decoder-jobs", &Config::decoder_jobs, Unit::kCount, 1, 1'000'000'000,
-           "images and meshes after which a child is replaced; 1: a child for each"),
+           "files and meshes after which a child is replaced; 1: a child for each"),
     number("decoder-bytes", &Config::decoder_bytes, Unit::kBytes, 1, 1024 * kGiB,
            "bytes of files after which a child is replaced"),
 

@@ -1,6 +1,7 @@
 #include "renderer/assets/asset_resolver.hpp"
 
 #include "renderer/scene/gltf_container.hpp"
+#include "renderer/scene/model_import.hpp"
 #include "renderer/base/error.hpp"
 #include "renderer/base/file.hpp"
 
@@ -67,14 +68,34 @@ std::string_view last_segment(std::string_view path) {
 
 using Uris = std::vector<std::string>;
 
-// `find` gives a sibling by its URI, or none.
-std::shared_ptr<const ModelBundle> make_bundle(
-    Blob document, const Uris& uris, const std::function<std::optional<Blob>(const std::string&)>& find) {
+// Gives a sibling by its URI, or none.
+using FindSibling = std::function<std::optional<Blob>(const std::string&)>;
+
+// What the MTL files name: beside them, else beside the model.
+void add_textures(const Uris& libraries, const FindSibling& find, ModelBundle& bundle) {
+  for (const std::string& library : libraries) {
+    const auto file = bundle.siblings.find(library);
+    if (file == bundle.siblings.end()) continue;
+    const std::string folder = library.substr(0, library.size() - last_segment(library).size());
+    for (const std::string& name : texture_names(file->second.text())) {
+      if (bundle.siblings.size() >= kMostSiblings) return;
+      if (bundle.siblings.contains(name)) continue;
+      std::optional<Blob> texture = find(folder + name);
+      if (!texture && !folder.empty()) texture = find(name);
+      if (texture) bundle.siblings.emplace(name, *std::move(texture));
+    }
+  }
+}
+
+std::shared_ptr<const ModelBundle> make_bundle(Blob document, ModelFormat format, const Uris& uris,
+                                               const FindSibling& find) {
   auto bundle = std::make_shared<ModelBundle>();
   bundle->document = std::move(document);
+  bundle->format = format;
   for (const std::string& uri : uris) {
     if (std::optional<Blob> sibling = find(uri)) bundle->siblings.emplace(uri, *std::move(sibling));
   }
+  if (format == ModelFormat::kObj) add_textures(uris, find, *bundle);
   bundle->seal();
   return bundle;
 }
@@ -85,7 +106,7 @@ struct FileAssets::State {
   std::vector<fs::path> roots;  // canonical
   std::int64_t max_file_bytes;
   BudgetCache<Blob> contents;  // by FileIdentity
-  BudgetCache<Uris> uris;      // by the document's hash
+  BudgetCache<Uris> uris;      // by the document's hash and format
 
   State(std::int64_t cache_bytes, std::int64_t max_bytes)
       : max_file_bytes(max_bytes),
@@ -137,10 +158,12 @@ std::shared_ptr<const ModelBundle> FileAssets::read_model(const std::string& rel
                                                           const ImportLimits& limits) {
   return at(pointer, [&] {
     const Blob document = state_->read(relative);
-    const auto uris = state_->uris.get_or_load(document.hash(), Deadline{},
-                                               [&] { return gltf_external_uris(document, limits); });
+    const ModelFormat format = model_format(document, relative);
+    const ContentHash key = HashBuilder().add(document.hash()).add(std::int64_t(format)).finish();
+    const auto uris =
+        state_->uris.get_or_load(key, Deadline{}, [&] { return model_siblings(document, format, limits); });
     const std::string folder = relative.substr(0, relative.size() - last_segment(relative).size());
-    return make_bundle(document, *uris, [&](const std::string& uri) -> std::optional<Blob> {
+    return make_bundle(document, format, *uris, [&](const std::string& uri) -> std::optional<Blob> {
       try {
         return state_->read(folder + uri);
       } catch (const Error& error) {
@@ -208,8 +231,9 @@ std::shared_ptr<const ModelBundle> AssetResolver::read_model(const std::string& 
   }
   return at(pointer, [&] {
     Blob document = read(reference, pointer);
-    const Uris uris = gltf_external_uris(document, limits_);
-    return make_bundle(std::move(document), uris,
+    const ModelFormat format = model_format(document, is_data_uri(reference) ? std::string() : reference);
+    const Uris uris = model_siblings(document, format, limits_);
+    return make_bundle(std::move(document), format, uris,
                        [&](const std::string& uri) { return find_sibling(parts_, uri); });
   });
 }

@@ -45,8 +45,8 @@ class AssetResolver {
   // `reference` is "part:NAME", "file:RELATIVE", "environment:NAME", "data:..." (base64 or percent-encoded); `pointer` is its place in the request.
   // Errors: kUnprocessable for an unknown scheme or a broken data: URI, kNotFound for a name that is not there.
   Blob read(const std::string& reference, const std::string& pointer) const;
-  // As read, with the siblings of a .gltf: other parts of the request by name or file name (also by the last path segment), or files
-  // beside the document. A missing buffer or image is left out: the importer tells of it.
+  // As read, with the siblings that a .gltf, an OBJ and its MTL files, or a PLY name: other parts of the request by name or file name (also by the last path segment), or files
+  // beside the document. What is missing is left out: the importer tells of it.
   std::shared_ptr<const ModelBundle> read_model(const std::string& reference,
                                                 const std::string& pointer) const;
 

@@ -21,6 +21,10 @@ class InProcessDecoder : public Decoder {
                                  const Deadline&) override {
     return decode_meshopt(bytes, layout);
   }
+  PlainModel model(std::span<const std::byte> document, std::string_view materials, ModelFormat format,
+                   const PlainModelLimits& limits, const Deadline&) override {
+    return decode_model(document, materials, format, limits);
+  }
 };
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "renderer/base/error.hpp"
+
 namespace furnace::decode {
 namespace {
 
@@ -58,6 +60,20 @@ bool TextureJob::accepts(const DecodedTexture& texture) const {
   return std::ranges::all_of(texture.remarks, [](const TextureRemark& remark) {
     return is_plain_text(remark.code) && is_plain_text(remark.message);
   });
+}
+
+PlainModel ModelJob::run(Bytes file) const {
+  if (document_bytes > file.size()) fail(ErrorCode::kInternal, "a model is shorter than was said");
+  const Bytes materials = file.subspan(document_bytes);
+  return decode_model(file.first(document_bytes),
+                      {reinterpret_cast<const char*>(materials.data()), materials.size()}, format, limits);
+}
+
+std::int64_t ModelJob::largest_result_bytes() const {
+  // Names have less than a KiB each: assimp's strings hold no more.
+  constexpr std::int64_t kTextBytes = (2 + kPlainTextures) * 1024;
+  constexpr auto kNamedBytes = std::int64_t(kTextBytes + sizeof(PlainMaterial) + sizeof(PlainPart));
+  return limits.max_bytes + limits.max_materials * kNamedBytes;
 }
 
 std::int64_t EnvironmentJob::largest_result_bytes() const {

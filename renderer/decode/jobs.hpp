@@ -12,6 +12,7 @@
 #include "renderer/image/decode.hpp"
 #include "renderer/scene/draco_decode.hpp"
 #include "renderer/scene/meshopt_decode.hpp"
+#include "renderer/scene/plain_model.hpp"
 
 namespace furnace::decode {
 
@@ -20,6 +21,7 @@ enum class JobKind : std::uint8_t {
   kEnvironment = 2,
   kDraco = 3,
   kMeshopt = 4,
+  kModel = 5,
   kFirstOfTests = 200,  // no program that ships knows these
 };
 
@@ -78,6 +80,20 @@ struct MeshoptJob {
   bool accepts(const MeshoptElements& elements) const {
     return elements.bytes.size() == layout.count * layout.stride;
   }
+};
+
+struct ModelJob {
+  using Result = PlainModel;
+  static constexpr JobKind kKind = JobKind::kModel;
+  static constexpr std::string_view kName = "model";
+
+  ModelFormat format = ModelFormat::kObj;
+  std::uint64_t document_bytes = 0;  // of the file; behind them the text of its materials
+  PlainModelLimits limits;
+
+  PlainModel run(Bytes file) const;
+  std::int64_t largest_result_bytes() const;
+  bool accepts(const PlainModel& model) const { return is_sound(model, limits); }
 };
 
 // Whether it has the shape that the limits allow, and as many bytes as that shape needs.
@@ -177,6 +193,28 @@ void fields(Wire& wire, WireValue<Wire, MeshoptElements>& elements) {
 }
 
 template <class Wire>
+void fields(Wire& wire, WireValue<Wire, PlainModelLimits>& limits) {
+  auto& [max_vertices, max_elements, max_bytes, max_materials] = limits;
+  wire.number(max_vertices);
+  wire.number(max_elements);
+  wire.number(max_bytes);
+  wire.number(max_materials);
+}
+
+template <class Wire>
+void fields(Wire& wire, WireValue<Wire, PlainModel>& model) {
+  auto& [text, materials, parts, positions, normals, uvs, colors, indices] = model;
+  wire.array(text);
+  wire.array(materials);
+  wire.array(parts);
+  wire.array(positions);
+  wire.array(normals);
+  wire.array(uvs);
+  wire.array(colors);
+  wire.array(indices);
+}
+
+template <class Wire>
 void fields(Wire& wire, WireValue<Wire, TextureJob>& job) {
   wire.choice(job.color_space, ColorSpace::kNonColor);
   fields(wire, job.limits);
@@ -195,6 +233,13 @@ void fields(Wire& wire, WireValue<Wire, DracoJob>& job) {
 template <class Wire>
 void fields(Wire& wire, WireValue<Wire, MeshoptJob>& job) {
   fields(wire, job.layout);
+}
+
+template <class Wire>
+void fields(Wire& wire, WireValue<Wire, ModelJob>& job) {
+  wire.choice(job.format, ModelFormat::kPly);
+  wire.number(job.document_bytes);
+  fields(wire, job.limits);
 }
 
 }  // namespace furnace::decode

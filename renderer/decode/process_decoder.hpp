@@ -45,6 +45,8 @@ class ProcessDecoder : public Decoder {
                                  const Deadline& deadline) override {
     return std::move(run_in(pool_, MeshoptJob{layout}, bytes, deadline).bytes);
   }
+  PlainModel model(std::span<const std::byte> document, std::string_view materials, ModelFormat format,
+                   const PlainModelLimits& limits, const Deadline& deadline) override;
 
   PoolStats stats() const { return pool_.stats(); }
   const std::string& sandbox_problem() const { return pool_.sandbox_problem(); }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kWrongUsage = 2;
 constexpr std::array kJobs = {job_row<TextureJob>(), job_row<EnvironmentJob>(), job_row<DracoJob>(),
-                              job_row<MeshoptJob>()};
+                              job_row<MeshoptJob>(), job_row<ModelJob>()};
 
 template <class Number>
 std::optional<Number> number_of(std::string_view text) {

@@ -3,12 +3,14 @@
 
 #include <cstddef>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "renderer/base/deadline.hpp"
 #include "renderer/image/decode.hpp"
 #include "renderer/scene/draco_decode.hpp"
 #include "renderer/scene/meshopt_decode.hpp"
+#include "renderer/scene/plain_model.hpp"
 
 namespace furnace {
 
@@ -31,6 +33,9 @@ class Decoder {
   // As decode_meshopt.
   virtual std::vector<std::byte> meshopt(std::span<const std::byte> bytes, const MeshoptLayout& layout,
                                          const Deadline& deadline) = 0;
+  // As decode_model.
+  virtual PlainModel model(std::span<const std::byte> document, std::string_view materials,
+                           ModelFormat format, const PlainModelLimits& limits, const Deadline& deadline) = 0;
 };
 
 }  // namespace furnace

@@ -389,6 +389,7 @@ void add_external_uri(const std::string& uri, const std::string& pointer, std::s
 void ModelBundle::seal() {
   HashBuilder builder;
   builder.add(document.hash());
+  if (format != ModelFormat::kGltf) builder.add(std::int64_t(format));
   for (const auto& [uri, blob] : siblings) builder.add(uri).add(blob.hash());
   hash = builder.finish();
 }

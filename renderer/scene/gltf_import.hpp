@@ -12,6 +12,7 @@
 
 #include "renderer/base/blob.hpp"
 #include "renderer/base/deadline.hpp"
+#include "renderer/scene/model_format.hpp"
 #include "renderer/scene/scene.hpp"
 
 namespace furnace {
@@ -20,9 +21,10 @@ class Decoder;
 
 // A model with everything it refers to, already in memory: importing does no I/O.
 struct ModelBundle {
-  Blob document;                         // .glb or .gltf bytes
-  std::map<std::string, Blob> siblings;  // by URI as written in the document, percent-decoded
-  ContentHash hash;                      // of the document and all siblings
+  Blob document;                         // the file's bytes
+  std::map<std::string, Blob> siblings;  // by URI as written in a glTF, percent-decoded; by sibling_name else
+  ModelFormat format = ModelFormat::kGltf;
+  ContentHash hash;  // of the document and all siblings
 
   void seal();  // computes `hash`
 };

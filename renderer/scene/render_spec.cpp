@@ -118,9 +118,10 @@ class CanonicalHash {
   }
 
   void add(const SceneSpec& value) {
-    const auto& [model, gltf_scene, variant, animations, nodes, materials, shading_model, lights,
+    const auto& [model, gltf_scene, variant, animations, up_axis, nodes, materials, shading_model, lights,
                  model_lights] = value;
-    add_all(model, gltf_scene, variant, animations, nodes, materials, shading_model, lights, model_lights);
+    add_all(model, gltf_scene, variant, animations, up_axis, nodes, materials, shading_model, lights,
+            model_lights);
   }
 
   void add(const BuiltinName& value) {

@@ -19,6 +19,7 @@
 #include "renderer/scene/gltf_import.hpp"
 #include "renderer/scene/light.hpp"
 #include "renderer/scene/material.hpp"
+#include "renderer/scene/model_format.hpp"
 #include "renderer/scene/procedural_environment.hpp"
 
 namespace furnace {
@@ -81,6 +82,7 @@ struct SceneSpec {
   int gltf_scene = -1;                       // as ImportOptions::scene
   std::optional<std::string> variant;        // of the model's materials, by name
   std::vector<AnimationClip> animations;     // of the model, as ImportOptions::animations
+  std::optional<UpAxis> up_axis;             // of a model that is no glTF; none: as import_model
   std::vector<NodeSpec> nodes;
   std::map<std::string, MaterialOverride> materials;
   ShadingModel shading_model = ShadingModel::kPbr;  // of materials that state none

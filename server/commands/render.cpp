@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,7 @@
 #include "renderer/base/file.hpp"
 #include "renderer/base/log.hpp"
 #include "renderer/gl/context.hpp"
+#include "renderer/scene/model_format.hpp"
 #include "api/render_request.hpp"
 #include "server/application.hpp"
 #include "server/commands/commands.hpp"
@@ -61,10 +63,6 @@ bool on_terminal() {
   return ::isatty(STDERR_FILENO) == 1;
 }
 
-bool is_model_name(const fs::path& path) {
-  return path.extension() == ".glb" || path.extension() == ".gltf";
-}
-
 void name_environment(const Arguments& arguments, RenderOptions& options, Job& job) {
   if (!arguments.environment) return;
   const std::string& name = *arguments.environment;
@@ -88,7 +86,7 @@ void name_format(const Arguments& arguments, RenderOptions& options) {
 Job make_job(const Arguments& arguments, const RenderOptions& options, Job job) {
   const fs::path input = arguments.input;
   if (arguments.input != "-") job.root = input.has_parent_path() ? input.parent_path() : fs::path(".");
-  if (arguments.input != "-" && is_model_name(input)) {
+  if (arguments.input != "-" && is_model_name(input.string())) {
     if (!fs::is_regular_file(input))
       fail(ErrorCode::kNotFound, fmt::format("there is no file {}", arguments.input));
     job.document = request_document(options, "file:" + input.filename().string());
@@ -96,7 +94,9 @@ Job make_job(const Arguments& arguments, const RenderOptions& options, Job job) 
     return job;
   }
   std::string content = read_input(arguments.input, arguments.config.max_file_bytes);
-  if (content.starts_with(kGlbMagic)) {
+  const bool is_other_model =
+      model_format(std::as_bytes(std::span(content)), arguments.input) != ModelFormat::kGltf;
+  if (content.starts_with(kGlbMagic) || is_other_model) {
     job.parts[kModelPart] = Blob(std::move(content));
     job.document = request_document(options, fmt::format("part:{}", kModelPart));
     job.document_is_ours = true;
@@ -197,7 +197,9 @@ int render(const Arguments& arguments) {
 
 void add_options(CLI::App& command, Arguments& to) {
   RenderOptions& options = to.options;
-  command.add_option("input", to.input, "REQUEST.json, MODEL.glb, MODEL.gltf, or - for standard input")
+  command
+      .add_option("input", to.input,
+                  "REQUEST.json, MODEL.glb, .gltf, .obj, .stl or .ply, or - for standard input")
       ->required();
   command.add_option("-o,--output", to.output, "OUT.png, .exr, .jpg or .webp, or - for standard output")
       ->required();
@@ -207,6 +209,8 @@ void add_options(CLI::App& command, Arguments& to) {
   command.add_option("--variant", options.variant, "one of the model's sets of materials");
   command.add_option("--animation", options.animation, "one of the model's animations, by name or index");
   command.add_option("--time", options.time_seconds, "of the animation, s; of the first if none is named");
+  command.add_option("--up-axis", options.up_axis, "of an OBJ, STL or PLY file: y or z")
+      ->check(CLI::IsMember({"y", "z"}));
   command.add_option("--shading-model", options.shading_model, "pbr, schlick-beckmann, blinn-phong or phong");
   command.add_option("--background", options.background, "environment, transparent or #rrggbb");
   command.add_option("--background-blur", options.blur_degrees, "of the environment seen, degrees");

@@ -112,6 +112,7 @@ std::string request_document(const RenderOptions& options, const std::string& mo
     scene.add("model", std::optional(model));
     scene.add("variant", options.variant);
     if (animates(options)) scene.add_object("animation", clip_members(clip_of(options)));
+    scene.add("upAxis", options.up_axis);
   }
   scene.add("shadingModel", options.shading_model);
   environment.add("map", options.environment);
@@ -169,6 +170,7 @@ std::string request_document(const RenderOptions& options, const std::string& mo
 void apply_options(const RenderOptions& options, const RenderSpec& said, RenderSpec& spec) {
   if (options.variant) spec.scene.variant = options.variant;
   if (animates(options)) spec.scene.animations = {clip_of(options)};
+  if (options.up_axis) spec.scene.up_axis = *options.up_axis == "z" ? UpAxis::kZ : UpAxis::kY;
   if (options.shading_model) spec.scene.shading_model = said.scene.shading_model;
   if (options.environment) spec.environment.map = said.environment.map;
   if (options.rotation_degrees) spec.environment.rotation_rad = said.environment.rotation_rad;

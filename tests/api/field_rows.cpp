@@ -52,6 +52,7 @@ constexpr FieldRow kFieldRows[] = {
      R"({"scene":{"model":"part:model.gltf","animations":[{"timeSeconds":@}]}})", "0", "0.5"},
     {"/scene/animations/loop", R"({"scene":{"model":"part:model.gltf","animations":[{"loop":@}]}})", "false",
      "true"},
+    {"/scene/upAxis", R"({"scene":{"model":"part:model.obj","upAxis":@}})", R"("y")", R"("z")"},
     {"/scene/shadingModel", R"({"scene":{"shadingModel":@}})", R"("pbr")", R"("phong")"},
     {"/scene/materials/model", R"({"scene":{"materials":{"m":{"model":@}}}})", R"("pbr")",
      R"("blinn-phong")"},

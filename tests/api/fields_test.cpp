@@ -97,6 +97,7 @@ TEST(Fields, OnlyOptionalThingsHaveNoDefault) {
         leaf.path.starts_with("/scene/materials") || leaf.path == "/scene/model" ||
         leaf.path == "/scene/gltfScene" || leaf.path == "/scene/variant" ||
         leaf.path == "/scene/animation/name" || leaf.path == "/scene/animations/name" ||
+        leaf.path == "/scene/upAxis" ||
         leaf.path == "/texture/map" || leaf.path == "/scene/nodes/mesh" || leaf.path == "/scene/nodes/name" ||
         leaf.path == "/scene/nodes/material" || leaf.path == "/map:color/color" ||
         leaf.path.ends_with("/stops/color") || leaf.path.ends_with("/stops/elevationDegrees") ||

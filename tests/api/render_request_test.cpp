@@ -227,6 +227,9 @@ TEST(RenderRequest, NamesThatDoNotExistAreRefused) {
               HasSubstr(R"(there is no built-in environment "studoi"; did you mean "studio"?)"));
   EXPECT_EQ(refusal(R"({"scene":{"model":"builtin:teapot"}})").pointer, "/scene/model");
   EXPECT_EQ(refusal(R"({"scene":{"gltfScene":0}})").pointer, "/scene/gltfScene");
+  EXPECT_EQ(refusal(R"({"scene":{"upAxis":"z"}})").pointer, "/scene/upAxis");
+  EXPECT_EQ(refusal(R"({"scene":{"model":"part:model.gltf","upAxis":"z"}})").pointer, "/scene/upAxis");
+  EXPECT_EQ(refusal(R"({"scene":{"model":"part:model.obj","gltfScene":0}})").pointer, "/scene/gltfScene");
   EXPECT_EQ(refusal(R"({"scene":{"model":"builtin:cube","gltfScene":0}})").pointer, "/scene/gltfScene");
   EXPECT_EQ(refusal(R"({"scene":{"nodes":[{"mesh":"builtin:cube","rotation":[0,0,0,0]}]}})").pointer,
             "/scene/nodes/0/rotation");

@@ -116,6 +116,29 @@ TEST_F(AssetTest, TellsNothingOfWhatIsOutside) {
   EXPECT_EQ(told("pipe"), absent);
 }
 
+TEST_F(AssetTest, AnObjFindsItsMaterialsAndTheirTextures) {
+  fs::create_directories(root_ / "models" / "lib");
+  write("models/thing.obj", "mtllib lib\\a.mtl\nmtllib ../../secret.txt\nv 0 0 0\n");
+  write("models/lib/a.mtl",
+        "newmtl m\nmap_Kd /far/away/wood.png\nmap_Ke near.png\nmap_d ../../../secret.txt\n");
+  write("models/lib/wood.png", "wood");
+  write("models/near.png", "near");
+  const auto bundle = files().read_model("models/thing.obj", kPlace, {});
+  EXPECT_EQ(bundle->format, ModelFormat::kObj);
+  std::map<std::string, std::string> found;
+  for (const auto& [name, blob] : bundle->siblings) found[name] = blob.text().substr(0, 4);
+  const std::map<std::string, std::string> expected = {
+      {"lib/a.mtl", "newm"}, {"wood.png", "wood"}, {"near.png", "near"}};
+  EXPECT_EQ(found, expected);
+
+  FileAssets assets = files();
+  const AssetResolver parts(
+      assets,
+      {{"model", Blob("v 0 0 0\nmtllib x/a.mtl\n")}, {"a.mtl", Blob("map_Kd t.png\n")}, {"t.png", Blob("t")}},
+      {});
+  EXPECT_EQ(parts.read_model("part:model", kPlace)->siblings.size(), 2u);
+}
+
 TEST_F(AssetTest, HonoursTheLimitOfSize) {
   write("large", std::string(kMaxFileBytes + 1, 'x'));
   write("fits", std::string(kMaxFileBytes, 'x'));

@@ -190,6 +190,30 @@ class Multipart(Case):
         red, green, blue = pixels[16 * 32 + 16][:3]
         self.assertGreater(red, 2 * max(green, blue), f"the middle is {red, green, blue}, not the texture's red")
 
+    def test_obj_with_materials_and_texture(self):
+        files = {"quad.obj": b"mtllib quad.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+                             b"vn 0 0 1\nusemtl painted\nf 1/1/1 2/2/1 3/3/1 4/4/1\n",
+                 "quad.mtl": b"newmtl painted\nmap_Kd red.png\n"}
+        for name, content in files.items():
+            with open(os.path.join(self.folder.name, name), "wb") as file:
+                file.write(content)
+        request = self.request("part:model", strict=True)
+        by_parts = self.post(request, "quad.mtl", "red.png", model="quad.obj")
+        red, green, blue = self.expect_picture(by_parts, 32, 32)[16 * 32 + 16][:3]
+        self.assertGreater(red, 2 * max(green, blue), f"the middle is {red, green, blue}, not the texture's red")
+        with Server("--assets", self.folder.name) as server:
+            by_file = server.render({**request, "scene": {"model": "file:quad.obj"}})
+            self.assertEqual(by_file.body, by_parts.body)
+        refused = self.expect_problem(self.post(request, model="quad.obj"), 422)
+        self.assertIn("quad.mtl", json.dumps(refused))
+
+    def test_what_is_no_model(self):
+        for name, content in (("broken.obj", b"f 1 2 3\n"), ("broken.stl", b"solid\nfacet normal"), ("broken.ply", b"ply\n")):
+            with open(os.path.join(self.folder.name, name), "wb") as file:
+                file.write(content)
+            problem = self.expect_problem(self.post(self.request("part:model"), model=name), 422)
+            self.assertEqual(problem["pointer"], "/scene/model", problem)
+
     def test_parts_by_name_and_by_file_name(self):
         by_file = self.post(self.request("part:quad.gltf"), "quad.gltf", "quad.bin", "red.png")
         by_part = self.post(self.request("part:model"), "quad.bin", "red.png", model="quad.gltf")

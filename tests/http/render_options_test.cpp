@@ -65,6 +65,15 @@ TEST(RenderOptions, AVariantIsOfAModel) {
   EXPECT_EQ(spec.scene.variant, "midnight");
 }
 
+TEST(RenderOptions, AnAxisIsOfAModel) {
+  RenderOptions options;
+  options.up_axis = "z";
+  EXPECT_EQ(request_document(options, "file:a.stl"), R"({"scene":{"model":"file:a.stl","upAxis":"z"}})");
+  RenderSpec spec;
+  apply_options(options, parsed("{}"), spec);
+  EXPECT_EQ(spec.scene.up_axis, UpAxis::kZ);
+}
+
 TEST(RenderOptions, EveryOptionIsUnderstoodByTheApi) {
   const RenderSpec spec = parsed(request_document(everything(), ""));
   EXPECT_EQ(spec.output.width, 64);

@@ -94,6 +94,8 @@ const std::vector<Mutation> kMutations = {
     {"no model", [](RenderSpec& s) { s.scene.model = nullptr; }},
     {"model without a hash", [](RenderSpec& s) { s.scene.model = model_of(0); }},
     {"gltf scene", [](RenderSpec& s) { s.scene.gltf_scene = 0; }},
+    {"up axis", [](RenderSpec& s) { s.scene.up_axis = UpAxis::kY; }},
+    {"other up axis", [](RenderSpec& s) { s.scene.up_axis = UpAxis::kZ; }},
     {"one node less", [](RenderSpec& s) { s.scene.nodes.pop_back(); }},
     {"nodes swapped", [](RenderSpec& s) { std::swap(s.scene.nodes[0], s.scene.nodes[1]); }},
     {"node mesh", [](RenderSpec& s) { node(s).mesh = "torus"; }},
@@ -180,10 +182,7 @@ const std::vector<Mutation> kMutations = {
     {"light's kind", [](RenderSpec& s) { light(s).kind = LightKind::kSpot; }},
     {"light's name", [](RenderSpec& s) { light(s).name = "a"; }},
     {"light's position", [](RenderSpec& s) { light(s).position.x = 1; }},
-    {"light's direction",
-     [](RenderSpec& s) {
-       light(s).direction = {0, 1, 0};
-     }},
+    {"light's direction", [](RenderSpec& s) { light(s).direction = {0, 1, 0}; }},
     {"light's intensity", [](RenderSpec& s) { light(s).intensity.g = 0; }},
     {"light's range", [](RenderSpec& s) { light(s).range_m = 1; }},
     {"inner cone", [](RenderSpec& s) { light(s).inner_cone_rad = 0.1; }},

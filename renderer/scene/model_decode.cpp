@@ -1,0 +1,413 @@
+#include "renderer/scene/plain_model.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <assimp/IOSystem.hpp>
+#include <assimp/Importer.hpp>
+#include <assimp/MemoryIOWrapper.h>
+#include <assimp/material.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include "renderer/base/error.hpp"
+#include "renderer/scene/model_surface.hpp"
+
+namespace furnace {
+namespace {
+
+using Bytes = std::span<const std::byte>;
+
+[[noreturn]] void fail_too_many(std::int64_t most, std::string_view what) {
+  fail(ErrorCode::kTooLarge, fmt::format("the model has more than {} {}", most, what));
+}
+
+// What a library says of a file may quote it.
+std::string printable(std::string_view text) {
+  constexpr std::size_t kLongest = 200;
+  std::string out(text.substr(0, kLongest));
+  for (char& c : out)
+    if (c < ' ' || c > '~') c = '?';
+  return out;
+}
+
+// Files of a model that is in memory: the document, and all MTL files as one under whichever name is asked for first.
+// Threads: one. Owns: nothing.
+class MemoryFiles : public Assimp::IOSystem {
+ public:
+  MemoryFiles(std::string document_name, Bytes document, Bytes materials)
+      : document_name_(std::move(document_name)), document_(document), materials_(materials) {}
+
+  bool Exists(const char* name) const override { return name == document_name_ || !materials_.empty(); }
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char* name, const char*) override {
+    if (name == document_name_) return stream_of(document_);
+    if (materials_.empty()) return nullptr;
+    return stream_of(std::exchange(materials_, {}));
+  }
+  void Close(Assimp::IOStream* stream) override { delete stream; }
+
+ private:
+  static Assimp::IOStream* stream_of(Bytes bytes) {
+    return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+  }
+
+  std::string document_name_;
+  Bytes document_, materials_;
+};
+
+// A header that announces more than the file can hold would be believed by the library.
+void check_ply_counts(std::string_view ply) {
+  constexpr std::string_view kElement = "\nelement ", kEnd = "end_header";
+  const std::string_view head = ply.substr(0, ply.find(kEnd));
+  std::uint64_t announced = 0;
+  for (std::size_t at = head.find(kElement); at != head.npos; at = head.find(kElement, at + 1)) {
+    std::string_view line = head.substr(at + kElement.size());
+    line = line.substr(0, line.find_first_of("\r\n"));
+    while (line.ends_with(' ')) line.remove_suffix(1);
+    const std::string_view number = line.substr(line.find_last_of(' ') + 1);
+    std::uint64_t count = 0;
+    const auto [end, fault] = std::from_chars(number.data(), number.data() + number.size(), count);
+    // An element takes a byte at least.
+    if (fault != std::errc{} || end != number.data() + number.size() || count > ply.size())
+      fail(ErrorCode::kUnprocessable, "announces more elements than the file has bytes");
+    announced += count;
+  }
+  if (announced > ply.size())
+    fail(ErrorCode::kUnprocessable, "announces more elements than the file has bytes");
+}
+
+// Threads: one. Owns: the model it builds.
+class Builder {
+ public:
+  explicit Builder(const PlainModelLimits& limits) : limits_(limits) {}
+
+  TextRange add_text(std::string_view text) {
+    const TextRange range{std::uint32_t(model_.text.size()), std::uint32_t(text.size())};
+    model_.text.insert(model_.text.end(), text.begin(), text.end());
+    return range;
+  }
+  void add_material(const PlainMaterial& material) { model_.materials.push_back(material); }
+  // Welds it, gives it normals, appends it. `flat`: it is shaded by its triangles.
+  void add_part(Mesh mesh, std::uint32_t material, bool flat);
+  PlainModel take();
+
+ private:
+  template <class Value>
+  void append(std::vector<Value>& to, const std::vector<Value>& values, std::size_t first);
+
+  PlainModelLimits limits_;
+  PlainModel model_;
+  std::int64_t elements_ = 0;
+};
+
+bool is_direction(const glm::vec3& v) {
+  constexpr float kLeast = 1e-6f;
+  const float length = glm::length(v);
+  return std::isfinite(length) && length > kLeast;
+}
+
+void drop_what_is_broken(Mesh& mesh) {
+  if (!std::ranges::all_of(mesh.normals, is_direction)) mesh.normals.clear();
+  for (glm::vec3& normal : mesh.normals) normal = glm::vec3(glm::normalize(glm::dvec3(normal)));
+  for (glm::vec2& uv : mesh.uvs[0])
+    if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = {0, 0};
+  for (glm::vec4& color : mesh.colors)
+    for (int i = 0; i < 4; ++i) color[i] = color[i] > 0 ? std::min(color[i], 1.0f) : 0.0f;
+  for (const std::uint32_t index : mesh.indices) {
+    const glm::vec3& p = mesh.positions[index];
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+      fail(ErrorCode::kUnprocessable, "has a position that is not finite");
+  }
+}
+
+template <class Value>
+void Builder::append(std::vector<Value>& to, const std::vector<Value>& values, std::size_t first) {
+  if (values.empty() && to.empty()) return;
+  to.resize(first);  // parts before it without the attribute
+  to.insert(to.end(), values.begin(), values.end());
+  to.resize(model_.positions.size());
+}
+
+void Builder::add_part(Mesh mesh, std::uint32_t material, bool flat) {
+  if (mesh.indices.empty()) return;
+  if (std::int64_t(model_.parts.size()) >= limits_.max_materials)
+    fail_too_many(limits_.max_materials, "parts");
+  const auto corners = std::size_t(mesh.topology) + 1;
+  elements_ += std::int64_t(mesh.indices.size() / corners);
+  if (elements_ > limits_.max_elements) fail_too_many(limits_.max_elements, "points, lines and triangles");
+  drop_what_is_broken(mesh);
+  if (flat) mesh.normals.clear();
+  const bool makes_normals = mesh.topology == Topology::kTriangles && !flat && mesh.normals.empty();
+  if (makes_normals) {
+    generate_smooth_normals(mesh);
+  } else {
+    weld_vertices(mesh);
+  }
+
+  const std::size_t first = model_.positions.size();
+  if (std::int64_t(first + mesh.positions.size()) > limits_.max_vertices)
+    fail_too_many(limits_.max_vertices, "vertices");
+  constexpr std::int64_t kVertexBytes = 2 * sizeof(glm::vec3) + sizeof(glm::vec2) + sizeof(glm::vec4);
+  const auto indices = std::int64_t(model_.indices.size() + mesh.indices.size());
+  if (std::int64_t(first + mesh.positions.size()) * kVertexBytes + indices * 4 > limits_.max_bytes)
+    fail_too_many(limits_.max_bytes, "bytes of geometry");
+  PlainPart part;
+  part.name = add_text(mesh.name);
+  part.topology = std::uint32_t(mesh.topology);
+  part.material = material;
+  part.has_normals = mesh.normals.empty() ? 0 : 1;
+  part.has_uvs = mesh.uvs[0].empty() ? 0 : 1;
+  part.has_colors = mesh.colors.empty() ? 0 : 1;
+  part.vertices = std::uint32_t(mesh.positions.size());
+  part.indices = std::uint32_t(mesh.indices.size());
+  part.made_normals = makes_normals ? 1 : 0;
+  model_.parts.push_back(part);
+  model_.positions.insert(model_.positions.end(), mesh.positions.begin(), mesh.positions.end());
+  append(model_.normals, mesh.normals, first);
+  append(model_.uvs, mesh.uvs[0], first);
+  append(model_.colors, mesh.colors, first);
+  model_.indices.insert(model_.indices.end(), mesh.indices.begin(), mesh.indices.end());
+}
+
+PlainModel Builder::take() {
+  if (model_.parts.empty())
+    fail(ErrorCode::kUnprocessable, "the model has nothing to draw: no points, lines or triangles");
+  return std::move(model_);
+}
+
+// Binary STL is fifty bytes a facet: read here, since the library takes the two conventions of colour for one. VisCAM: bit
+// 15 says that the facet has a colour, red in the upper bits. Magics, told by "COLOR=" in the head: bit 15 says that it has
+// that of the head, else its own, red in the lower bits. Normals are left out: the corners say what is true.
+void add_binary_stl(Bytes document, std::uint32_t facets, Builder& builder) {
+  constexpr std::size_t kHead = 84, kFacet = 50, kComment = 80, kLevels = 31;
+  constexpr std::string_view kColor = "COLOR=";
+  const std::string_view head(reinterpret_cast<const char*>(document.data()), kComment);
+  const std::size_t at = head.find(kColor);
+  const bool magics = at != head.npos && at + kColor.size() + 4 <= head.size();
+  glm::vec4 whole(1);
+  for (int i = 0; magics && i < 3; ++i)
+    whole[i] = float(std::uint8_t(head[at + kColor.size() + std::size_t(i)])) / 255;
+
+  Mesh mesh;
+  mesh.positions.resize(std::size_t{facets} * 3);
+  mesh.indices.resize(mesh.positions.size());
+  std::vector<glm::vec4> colors(mesh.positions.size(), whole);
+  bool colored = magics;
+  for (std::size_t facet = 0; facet < facets; ++facet) {
+    const std::byte* record = document.data() + kHead + kFacet * facet;
+    std::memcpy(&mesh.positions[3 * facet], record + sizeof(glm::vec3), 3 * sizeof(glm::vec3));
+    std::uint16_t bits = 0;
+    std::memcpy(&bits, record + 4 * sizeof(glm::vec3), sizeof bits);
+    const bool marked = (bits & 0x8000) != 0;
+    const bool own = marked != magics;
+    const auto level = [&](int shift) { return float((bits >> shift) & kLevels) / float(kLevels); };
+    colored = colored || own;
+    if (!own) continue;
+    const glm::vec4 color =
+        magics ? glm::vec4(level(0), level(5), level(10), 1) : glm::vec4(level(10), level(5), level(0), 1);
+    for (std::size_t k = 0; k < 3; ++k) colors[3 * facet + k] = color;
+  }
+  for (std::uint32_t i = 0; i < mesh.indices.size(); ++i) mesh.indices[i] = i;
+  if (colored) mesh.colors = std::move(colors);
+  builder.add_part(std::move(mesh), 0, true);
+}
+
+// Before anything walks along them: the library's own steps take indices on trust.
+void check_faces(const aiScene& scene, const PlainModelLimits& limits) {
+  // Cutting a polygon up takes the square of its corners.
+  constexpr unsigned kMostCorners = 4096;
+  std::int64_t vertices = 0, corners = 0;
+  if (scene.mNumMeshes > limits.max_materials) fail_too_many(limits.max_materials, "parts");
+  if (scene.mNumMaterials > limits.max_materials) fail_too_many(limits.max_materials, "materials");
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    vertices += mesh.mNumVertices;
+    if (mesh.mMaterialIndex >= scene.mNumMaterials)
+      fail(ErrorCode::kUnprocessable, "names a material that is not there");
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace& face = mesh.mFaces[f];
+      corners += face.mNumIndices;
+      if (face.mNumIndices > kMostCorners) fail_too_many(kMostCorners, "corners in one polygon");
+      for (unsigned i = 0; i < face.mNumIndices; ++i)
+        if (face.mIndices[i] >= mesh.mNumVertices)
+          fail(ErrorCode::kUnprocessable,
+               fmt::format("a face names vertex {} of {}", face.mIndices[i], mesh.mNumVertices));
+    }
+  }
+  // Corners are split before equal ones are joined.
+  const std::int64_t most = 3 * std::max(limits.max_vertices, limits.max_elements);
+  if (vertices > most || corners > most) fail_too_many(limits.max_vertices, "vertices");
+}
+
+glm::vec3 vector_of(const aiVector3D& v) {
+  return {v.x, v.y, v.z};
+}
+
+// The faces of one topology, with the whole mesh's vertices.
+Mesh mesh_of(const aiMesh& from, Topology topology) {
+  const unsigned corners = unsigned(topology) + 1;
+  Mesh mesh;
+  mesh.topology = topology;
+  mesh.name = from.mName.C_Str();
+  for (unsigned f = 0; f < from.mNumFaces; ++f) {
+    const aiFace& face = from.mFaces[f];
+    if (face.mNumIndices != corners) continue;
+    const unsigned* i = face.mIndices;
+    const bool degenerate = (corners > 1 && i[0] == i[1]) || (corners > 2 && (i[1] == i[2] || i[0] == i[2]));
+    if (!degenerate) mesh.indices.insert(mesh.indices.end(), i, i + corners);
+  }
+  // A cloud has vertices only.
+  if (topology == Topology::kPoints && from.mNumFaces == 0)
+    for (std::uint32_t i = 0; i < from.mNumVertices; ++i) mesh.indices.push_back(i);
+  if (mesh.indices.empty()) return mesh;
+
+  for (unsigned i = 0; i < from.mNumVertices; ++i) mesh.positions.push_back(vector_of(from.mVertices[i]));
+  if (from.HasNormals())
+    for (unsigned i = 0; i < from.mNumVertices; ++i) mesh.normals.push_back(vector_of(from.mNormals[i]));
+  if (from.HasTextureCoords(0))
+    for (unsigned i = 0; i < from.mNumVertices; ++i)
+      mesh.uvs[0].emplace_back(from.mTextureCoords[0][i].x, 1 - from.mTextureCoords[0][i].y);
+  // The library's lines carry the colours of other vertices.
+  if (from.HasVertexColors(0) && topology != Topology::kLines)
+    for (unsigned i = 0; i < from.mNumVertices; ++i) {
+      const aiColor4D& c = from.mColors[0][i];
+      mesh.colors.emplace_back(c.r, c.g, c.b, c.a);
+    }
+  return mesh;
+}
+
+float number_of(const aiMaterial& from, const char* key, float low, float high, float unstated) {
+  float value = unstated;
+  if (from.Get(key, 0, 0, value) != AI_SUCCESS || std::isnan(value)) return unstated;
+  return std::clamp(value, low, high);
+}
+
+glm::vec3 color_of(const aiMaterial& from, const char* key, float high, const glm::vec3& unstated) {
+  aiColor3D color;
+  if (from.Get(key, 0, 0, color) != AI_SUCCESS) return unstated;
+  const auto channel = [&](float value) { return value > 0 ? std::min(value, high) : 0.0f; };
+  return {channel(color.r), channel(color.g), channel(color.b)};
+}
+
+constexpr float kMostEmission = 1e6f, kMostExponent = 1e6f;
+
+void add_textures(const aiMaterial& from, Builder& builder, PlainMaterial& to) {
+  static constexpr std::array<std::pair<aiTextureType, PlainTexture>, 13> kUses = {{
+      {aiTextureType_DIFFUSE, PlainTexture::kBaseColor},
+      {aiTextureType_EMISSIVE, PlainTexture::kEmissive},
+      {aiTextureType_NORMALS, PlainTexture::kNormal},
+      {aiTextureType_HEIGHT, PlainTexture::kBump},
+      {aiTextureType_OPACITY, PlainTexture::kAlpha},
+      {aiTextureType_SPECULAR, PlainTexture::kUnused},
+      {aiTextureType_SHININESS, PlainTexture::kUnused},
+      {aiTextureType_DISPLACEMENT, PlainTexture::kUnused},
+      {aiTextureType_REFLECTION, PlainTexture::kUnused},
+      {aiTextureType_DIFFUSE_ROUGHNESS, PlainTexture::kUnused},
+      {aiTextureType_METALNESS, PlainTexture::kUnused},
+      {aiTextureType_SHEEN, PlainTexture::kUnused},
+      {aiTextureType_CLEARCOAT, PlainTexture::kUnused},
+  }};
+  for (const auto& [type, use] : kUses) {
+    aiString name;
+    TextRange& range = to.textures[std::size_t(use)];
+    if (range.size == 0 && from.GetTexture(type, 0, &name) == AI_SUCCESS)
+      range = builder.add_text({name.C_Str(), name.length});
+  }
+  int mode = aiTextureMapMode_Wrap;
+  if (from.Get(AI_MATKEY_MAPPINGMODE_U_DIFFUSE(0), mode) == AI_SUCCESS && mode == aiTextureMapMode_Clamp)
+    to.clamps = 1;
+}
+
+// What is drawn that has no material of its own: a grey plastic.
+PlainMaterial plain_material(Builder& builder) {
+  PlainMaterial material;
+  material.name = builder.add_text("default");
+  material.metallic = 0;
+  material.perceptual_roughness = 0.5f;
+  return material;
+}
+
+void add_material(const aiMaterial& from, bool stated, Builder& builder) {
+  PlainMaterial to = plain_material(builder);
+  if (stated) {
+    aiString name;
+    if (from.Get(AI_MATKEY_NAME, name) == AI_SUCCESS) to.name = builder.add_text({name.C_Str(), name.length});
+    to.diffuse = color_of(from, "$clr.diffuse", 1, to.diffuse);
+    to.emission = color_of(from, "$clr.emissive", kMostEmission, to.emission);
+    to.opacity = number_of(from, "$mat.opacity", 0, 1, 1);
+    to.exponent = number_of(from, "$mat.shininess", 0, kMostExponent, 0);
+    to.metallic = number_of(from, "$mat.metallicFactor", 0, 1, -1);
+    to.perceptual_roughness = number_of(from, "$mat.roughnessFactor", 0, 1, -1);
+    to.clearcoat = number_of(from, "$mat.clearcoat.factor", 0, 1, 0);
+    to.clearcoat_perceptual_roughness = number_of(from, "$mat.clearcoat.roughnessFactor", 0, 1, 0);
+  }
+  add_textures(from, builder, to);
+  builder.add_material(to);
+}
+
+void add_scene(const aiScene& scene, ModelFormat format, Builder& builder) {
+  for (unsigned i = 0; i < scene.mNumMaterials; ++i) {
+    aiString name;
+    scene.mMaterials[i]->Get(AI_MATKEY_NAME, name);
+    const bool stated =
+        format == ModelFormat::kObj && std::string_view(name.C_Str()) != AI_DEFAULT_MATERIAL_NAME;
+    add_material(*scene.mMaterials[i], stated, builder);
+  }
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    for (const Topology topology : {Topology::kTriangles, Topology::kLines, Topology::kPoints})
+      builder.add_part(mesh_of(mesh, topology), mesh.mMaterialIndex, format == ModelFormat::kStl);
+  }
+}
+
+[[noreturn]] void fail_unreadable(ModelFormat format, std::string_view why) {
+  fail(ErrorCode::kUnprocessable,
+       fmt::format("is not a readable {} file: {}", model_format_name(format), printable(why)));
+}
+
+}  // namespace
+
+PlainModel decode_model(Bytes document, std::string_view materials, ModelFormat format,
+                        const PlainModelLimits& limits) {
+  Builder builder(limits);
+  if (format == ModelFormat::kStl) {
+    if (const auto facets = binary_stl_facets(document)) {
+      if (*facets > limits.max_elements) fail_too_many(limits.max_elements, "triangles");
+      builder.add_material(plain_material(builder));
+      add_binary_stl(document, *facets, builder);
+      return builder.take();
+    }
+  }
+  const std::string_view text(reinterpret_cast<const char*>(document.data()), document.size());
+  if (format == ModelFormat::kPly) check_ply_counts(text);
+
+  static constexpr std::array<std::string_view, 4> kNames = {"", "model.obj", "model.stl", "model.ply"};
+  const std::string name(kNames.at(std::size_t(format)));
+  try {
+    Assimp::Importer importer;
+    importer.SetIOHandler(new MemoryFiles(name, document, std::as_bytes(std::span(materials))));  // owns it
+    const aiScene* scene = importer.ReadFile(name, 0);
+    if (scene == nullptr) fail_unreadable(format, importer.GetErrorString());
+    check_faces(*scene, limits);
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+    if (scene == nullptr) fail_unreadable(format, importer.GetErrorString());
+    check_faces(*scene, limits);
+    add_scene(*scene, format, builder);
+  } catch (const std::exception& error) {
+    fail_unreadable(format, error.what());
+  }
+  return builder.take();
+}
+
+}  // namespace furnace
