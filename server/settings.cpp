@@ -82,7 +82,8 @@ constexpr std::array kSettings = {
            "film layers of one picture, as they are drawn"),
 
     text("decoder-sandbox", &Config::decoder_sandbox, Unit::kChoice,
-         "images, compressed meshes and models other than glTF are decoded in child processes that may do nothing else; require: do "
+         "images, compressed meshes and models other than glTF are decoded in child processes that may do "
+         "nothing else; require: do "
          "not start where the system cannot confine them; prefer: then do without, and warn; off: decode in "
          "the server's own process",
          "require|prefer|off"),

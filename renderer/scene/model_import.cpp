@@ -134,11 +134,8 @@ Scene import_model(const ModelBundle& bundle, std::optional<UpAxis> up, const Im
     instance.mesh = int(scene.meshes.size());
     instance.world_from_model = world_from_file(axis);
     instance.node_name = mesh.name.empty() ? fmt::format("/parts/{}", i) : mesh.name;
-    mesh.key = HashBuilder()
-                   .add("model-mesh")
-                   .add(scene.hash)
-                   .add(std::int64_t(scene.meshes.size()))
-                   .finish();
+    mesh.key =
+        HashBuilder().add("model-mesh").add(scene.hash).add(std::int64_t(scene.meshes.size())).finish();
     scene.meshes.push_back(std::move(mesh));
     scene.instances.push_back(std::move(instance));
   }

@@ -124,7 +124,8 @@ void MaterialMaker::add_texture(const PlainMaterial& from, PlainTexture what, Te
     if (fresh) {
       try {
         const Blob& file = scene_.images[std::size_t(*image)].encoded;
-        entry->second = looks_like_normal_map(decoder_.texture(file, ColorSpace::kNonColor, {}, deadline_));
+        entry->second = looks_like_normal_map(
+            decoder_.texture(file, ColorSpace::kNonColor, {}, deadline_).levels.front());
       } catch (const Error& error) {
         if (error.code == ErrorCode::kDeadlineExceeded) throw;
         notes_.add("image-unreadable", kModelPlace, error.message);
