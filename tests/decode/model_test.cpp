@@ -31,12 +31,23 @@ std::vector<ModelFile> model_files() {
           {ModelFormat::kPly, ply_cloud(), ""}};
 }
 
+PoolConfig pool_config() {
+  PoolConfig config;
+  config.command.program = {FURNACE_HOSTILE_WORKER};
+  config.processes = 1;
+  return config;
+}
+
 ProcessDecoder& process_decoder() {
+  static ProcessDecoder decoder(pool_config());
+  return decoder;
+}
+
+// Some damage keeps the library busy for ever.
+ProcessDecoder& impatient_decoder() {
   static ProcessDecoder decoder([] {
-    PoolConfig config;
-    config.command.program = {FURNACE_HOSTILE_WORKER};
-    config.processes = 1;
-    config.timeout = std::chrono::milliseconds(200);  // some damage keeps the library busy for ever
+    PoolConfig config = pool_config();
+    config.timeout = std::chrono::milliseconds(200);
     return config;
   }());
   return decoder;
@@ -91,7 +102,7 @@ TEST(ModelDecoders, AgreeOnErrors) {
 // 1: a model came out, which `accepts` has judged already.
 int survive(const ModelFile& file) {
   try {
-    decode(process_decoder(), file);
+    decode(impatient_decoder(), file);
     return 1;
   } catch (const Error& error) {
     EXPECT_TRUE(error.code == ErrorCode::kUnprocessable || error.code == ErrorCode::kTooLarge)
