@@ -223,6 +223,40 @@ void add_binary_stl(Bytes document, std::uint32_t facets, Builder& builder) {
   builder.add_part(std::move(mesh), 0, true);
 }
 
+std::string_view take_word(std::string_view& text) {
+  constexpr std::string_view kSpace = " \t\r\n\v\f";
+  text.remove_prefix(std::min(text.find_first_not_of(kSpace), text.size()));
+  const std::string_view word = text.substr(0, text.find_first_of(kSpace));
+  text.remove_prefix(word.size());
+  return word;
+}
+
+float take_number(std::string_view& text) {
+  std::string_view word = take_word(text);
+  if (word.starts_with('+')) word.remove_prefix(1);
+  float value = 0;
+  const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (fault == std::errc::invalid_argument || end != word.data() + word.size())
+    fail(ErrorCode::kUnprocessable, "is not a readable STL file: a vertex needs three numbers");
+  return value;
+}
+
+// Read here, too: the library does not come back from one that is cut off. Only its corners count.
+void add_text_stl(std::string_view text, Builder& builder) {
+  Mesh mesh;
+  while (!text.empty()) {
+    const std::string_view word = take_word(text);
+    if (word == "facet" || word == "FACET") mesh.positions.resize(mesh.positions.size() / 3 * 3);
+    if (word != "vertex" && word != "VERTEX") continue;
+    const float x = take_number(text), y = take_number(text), z = take_number(text);
+    mesh.positions.emplace_back(x, y, z);
+  }
+  mesh.positions.resize(mesh.positions.size() / 3 * 3);
+  mesh.indices.resize(mesh.positions.size());
+  for (std::uint32_t i = 0; i < mesh.indices.size(); ++i) mesh.indices[i] = i;
+  builder.add_part(std::move(mesh), 0, true);
+}
+
 // Before anything walks along them: the library's own steps take indices on trust.
 void check_faces(const aiScene& scene, const PlainModelLimits& limits) {
   // Cutting a polygon up takes the square of its corners.
@@ -381,18 +415,21 @@ void add_scene(const aiScene& scene, ModelFormat format, Builder& builder) {
 PlainModel decode_model(Bytes document, std::string_view materials, ModelFormat format,
                         const PlainModelLimits& limits) {
   Builder builder(limits);
-  if (format == ModelFormat::kStl) {
-    if (const auto facets = binary_stl_facets(document)) {
-      if (*facets > limits.max_elements) fail_too_many(limits.max_elements, "triangles");
-      builder.add_material(plain_material(builder));
-      add_binary_stl(document, *facets, builder);
-      return builder.take();
-    }
-  }
   const std::string_view text(reinterpret_cast<const char*>(document.data()), document.size());
+  if (format == ModelFormat::kStl) {
+    const auto facets = binary_stl_facets(document);
+    if (facets && *facets > limits.max_elements) fail_too_many(limits.max_elements, "triangles");
+    builder.add_material(plain_material(builder));
+    if (facets) {
+      add_binary_stl(document, *facets, builder);
+    } else {
+      add_text_stl(text, builder);
+    }
+    return builder.take();
+  }
   if (format == ModelFormat::kPly) check_ply_counts(text);
 
-  static constexpr std::array<std::string_view, 4> kNames = {"", "model.obj", "model.stl", "model.ply"};
+  static constexpr std::array<std::string_view, 4> kNames = {"", "model.obj", "", "model.ply"};
   const std::string name(kNames.at(std::size_t(format)));
   try {
     Assimp::Importer importer;
