@@ -109,8 +109,8 @@ std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, 
             if (spec.model->format != ModelFormat::kGltf)
               return import_model(*spec.model, spec.up_axis, config_.import, decoder_, deadline);
             return import_gltf(decoder_, *spec.model,
-                               ImportOptions{spec.gltf_scene, spec.variant, spec.animations},
-                               config_.import, deadline);
+                               ImportOptions{spec.gltf_scene, spec.variant, spec.animations}, config_.import,
+                               deadline);
           });
         });
         return compose_scene(spec, model.get());

@@ -140,7 +140,8 @@ ModelReport inspect_gltf(Decoder& decoder, const ModelBundle& bundle, const Impo
                          const ImportLimits& limits, const Deadline& deadline,
                          const ReportLimits& report_limits) {
   if (bundle.format != ModelFormat::kGltf)
-    fail(ErrorCode::kUnsupportedMedia, "only glTF models are inspected; an OBJ, STL or PLY file can be drawn");
+    fail(ErrorCode::kUnsupportedMedia,
+         "only glTF models are inspected; an OBJ, STL or PLY file can be drawn");
   const Scene scene = import_gltf(decoder, bundle, options, limits, deadline);
   check_variant(scene, options.variant);
   const GltfDocument document = read_gltf_document(bundle.document, limits);
