@@ -30,6 +30,24 @@ std::string times_fault(const GltfAccessor& accessor, const std::vector<float>& 
   return {};
 }
 
+// In seconds. `damaged(sampler's pointer, fault)` hears of samplers without sound times.
+template <class Damaged>
+double length_of(const GltfDocument& document, int index, KeyframeReader& keyframes, Damaged damaged) {
+  double length_s = 0;
+  const GltfAnimation& animation = document.animations[std::size_t(index)];
+  for (std::size_t s = 0; s < animation.samplers.size(); ++s) {
+    const int input = animation.samplers[s].input;
+    const std::string pointer = sampler_pointer(index, int(s)) + "/input";
+    const std::vector<float> times = keyframes.read(input, pointer);
+    if (const std::string fault = times_fault(keyframes.accessor(input), times); !fault.empty()) {
+      damaged(pointer, fault);
+    } else {
+      length_s = std::max(length_s, double(times.back()));
+    }
+  }
+  return length_s;
+}
+
 // Keyframes of one sampler.
 struct Track {
   std::vector<float> times;   // s, increasing, never empty
@@ -84,8 +102,8 @@ std::vector<double> sample(const Track& track, double time_s, PropertyKind kind)
 // Threads: one. Owns: nothing.
 class Player {
  public:
-  Player(Json& root, const GltfDocument& document, const GltfData& data, int animation, GltfNotes& notes)
-      : root_(root), document_(document), data_(data), index_(animation), notes_(notes) {}
+  Player(Json& root, const GltfDocument& document, KeyframeReader& keyframes, int animation, GltfNotes& notes)
+      : root_(root), document_(document), keyframes_(keyframes), index_(animation), notes_(notes) {}
 
   void play(const AnimationTime& time) {
     const GltfAnimation& animation = document_.animations[std::size_t(index_)];
@@ -108,13 +126,10 @@ class Player {
     notes_.add("animation-channel-ignored", channel.pointer, why + "; it was left out");
   }
 
-  double wrapped(double seconds) const {
-    double duration = 0;
-    for (const GltfAnimationSampler& sampler : document_.animations[std::size_t(index_)].samplers) {
-      for (const float time : data_.read_numbers(sampler.input))
-        if (std::isfinite(time)) duration = std::max(duration, double(time));
-    }
-    return duration > 0 ? seconds - std::floor(seconds / duration) * duration : 0;
+  double wrapped(double seconds) {
+    const double length_s =
+        length_of(document_, index_, keyframes_, [](const std::string&, const std::string&) {});
+    return length_s > 0 ? seconds - std::floor(seconds / length_s) * length_s : 0;
   }
 
   // Makes what has a default and may be left out, so that it can be written to.
@@ -140,23 +155,24 @@ class Player {
     return places && !target.ends_with("weights") ? "moves a node that is placed by a matrix" : "";
   }
 
-  Track read_track(const GltfAnimationChannel& channel, const AnimatedProperty& property) const {
+  Track read_track(const GltfAnimationChannel& channel, const AnimatedProperty& property) {
     const GltfAnimationSampler& sampler =
         document_.animations[std::size_t(index_)].samplers[std::size_t(channel.sampler)];
     const std::string pointer = sampler_pointer(index_, channel.sampler);
     Track track;
     track.interpolation = sampler.interpolation;
-    track.times = data_.read_numbers(sampler.input);
-    if (const std::string fault = times_fault(data_.accessor(sampler.input), track.times); !fault.empty())
+    track.times = keyframes_.read(sampler.input, pointer + "/input");
+    if (const std::string fault = times_fault(keyframes_.accessor(sampler.input), track.times);
+        !fault.empty())
       fail(ErrorCode::kUnprocessable, fault, pointer + "/input");
-    track.values = data_.read_numbers(sampler.output);
+    track.values = keyframes_.read(sampler.output, pointer + "/output");
     check_values(track, sampler, property, pointer + "/output");
     return track;
   }
 
   void check_values(Track& track, const GltfAnimationSampler& sampler, const AnimatedProperty& property,
                     const std::string& pointer) const {
-    const GltfAccessor& output = data_.accessor(sampler.output);
+    const GltfAccessor& output = keyframes_.accessor(sampler.output);
     const int components = output.type < ElementType::kMat2 ? component_count(output.type) : 0;
     if (components != property.components)
       fail(ErrorCode::kUnprocessable,
@@ -196,29 +212,34 @@ class Player {
 
   Json& root_;
   const GltfDocument& document_;
-  const GltfData& data_;
+  KeyframeReader& keyframes_;
   const int index_;
   GltfNotes& notes_;
 };
 
 }  // namespace
 
-std::vector<SceneAnimation> list_animations(const GltfDocument& document, const GltfData& data,
+std::vector<float> KeyframeReader::read(int accessor, const std::string& pointer) {
+  check_deadline(deadline_, "keyframes");
+  const GltfAccessor& numbers = data_.accessor(accessor);
+  numbers_ += numbers.count * std::uint64_t(component_count(numbers.type));
+  if (numbers_ > std::uint64_t(limits_.max_keyframe_numbers)) {
+    fail(ErrorCode::kTooLarge,
+         "the animations have more than " + std::to_string(limits_.max_keyframe_numbers) +
+             " numbers in keyframes",
+         pointer);
+  }
+  return data_.read_numbers(accessor);
+}
+
+std::vector<SceneAnimation> list_animations(const GltfDocument& document, KeyframeReader& keyframes,
                                             GltfNotes& notes) {
   std::vector<SceneAnimation> result;
   for (std::size_t i = 0; i < document.animations.size(); ++i) {
-    const GltfAnimation& animation = document.animations[i];
-    SceneAnimation listed{animation.name, 0};
-    for (std::size_t s = 0; s < animation.samplers.size(); ++s) {
-      const int input = animation.samplers[s].input;
-      const std::vector<float> times = data.read_numbers(input);
-      if (const std::string fault = times_fault(data.accessor(input), times); !fault.empty()) {
-        notes.add("animation-damaged", sampler_pointer(int(i), int(s)) + "/input", fault);
-      } else {
-        listed.duration_s = std::max(listed.duration_s, double(times.back()));
-      }
-    }
-    result.push_back(std::move(listed));
+    const auto damaged = [&](const std::string& pointer, const std::string& fault) {
+      notes.add("animation-damaged", pointer, fault);
+    };
+    result.push_back({document.animations[i].name, length_of(document, int(i), keyframes, damaged)});
   }
   return result;
 }
@@ -232,9 +253,9 @@ std::optional<int> find_animation(const GltfDocument& document, const std::varia
   return std::nullopt;
 }
 
-void pose_document(Json& root, const GltfDocument& document, const GltfData& data, int animation,
+void pose_document(Json& root, const GltfDocument& document, KeyframeReader& keyframes, int animation,
                    const AnimationTime& time, GltfNotes& notes) {
-  Player(root, document, data, animation, notes).play(time);
+  Player(root, document, keyframes, animation, notes).play(time);
 }
 
 }  // namespace furnace

@@ -10,8 +10,26 @@
 
 namespace furnace {
 
+// Reads keyframes, and counts them: any number of samplers may share an accessor, so a small file can ask for any amount.
+// Threads: one. Owns: nothing.
+class KeyframeReader {
+ public:
+  KeyframeReader(const GltfData& data, const ImportLimits& limits, const Deadline& deadline)
+      : data_(data), limits_(limits), deadline_(deadline) {}
+
+  const GltfAccessor& accessor(int index) const { return data_.accessor(index); }
+  // As GltfData::read_numbers. Errors: kTooLarge at `pointer`, kDeadlineExceeded.
+  std::vector<float> read(int accessor, const std::string& pointer);
+
+ private:
+  const GltfData& data_;
+  const ImportLimits& limits_;
+  const Deadline& deadline_;
+  std::uint64_t numbers_ = 0;
+};
+
 // Every animation of the document, with its length. One that cannot be played becomes a note.
-std::vector<SceneAnimation> list_animations(const GltfDocument& document, const GltfData& data,
+std::vector<SceneAnimation> list_animations(const GltfDocument& document, KeyframeReader& keyframes,
                                             GltfNotes& notes);
 
 // The document's animation that a request means; none: there is no such.
@@ -19,7 +37,7 @@ std::optional<int> find_animation(const GltfDocument& document, const std::varia
 
 // Writes the clip's values into `root`, which is the document's. Channels that move nothing that is known become notes.
 // Errors: kUnprocessable with a pointer for keyframes that are damaged.
-void pose_document(Json& root, const GltfDocument& document, const GltfData& data, int animation,
+void pose_document(Json& root, const GltfDocument& document, KeyframeReader& keyframes, int animation,
                    const AnimationTime& time, GltfNotes& notes);
 
 }  // namespace furnace

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "renderer/base/error.hpp"
@@ -93,7 +94,7 @@ class Importer {
   std::map<int, std::vector<glm::dmat4>> skins_;                // joint matrices, by skin
   std::map<GltfPrimitiveRef, std::optional<Instance>> shared_;  // meshes as they are for every plain node
   std::optional<int> variant_;                                  // index into document_.variants
-  std::int64_t vertices_ = 0, mesh_bytes_ = 0, elements_drawn_ = 0;
+  std::int64_t vertices_ = 0, mesh_bytes_ = 0, elements_drawn_ = 0, instances_ = 0;
 };
 
 Scene Importer::import(const ModelBundle& bundle, const ImportOptions& options) {
@@ -138,11 +139,12 @@ void Importer::note_ignored_extensions() {
 }
 
 void Importer::play(const std::vector<AnimationClip>& clips) {
-  scene_.animations = list_animations(document_, data_, notes_);
+  KeyframeReader keyframes(data_, limits_, deadline_);
+  scene_.animations = list_animations(document_, keyframes, notes_);
   if (clips.empty()) return;
   for (const AnimationClip& clip : clips) {
     if (const auto animation = find_animation(document_, clip.which))
-      pose_document(json_.root, document_, data_, *animation, clip.time, notes_);
+      pose_document(json_.root, document_, keyframes, *animation, clip.time, notes_);
   }
   document_ = read_checked(json_, limits_);
 }
@@ -245,7 +247,8 @@ void Importer::add_mesh(int node_index) {
   const glm::dmat4& world_from_model = world_from_node_[static_cast<std::size_t>(node_index)];
   const std::vector<glm::dmat4>* joints = node.skin ? &world_from_bind(*node.skin) : nullptr;
   const std::vector<glm::dmat4> places =
-      instance_transforms(document_, data_, node_index, limits_.max_instances);
+      instance_transforms(document_, data_, node_index, instances_, limits_.max_instances);
+  if (!node.instances.empty()) instances_ += std::int64_t(places.size());
 
   for (int i = 0; i < static_cast<int>(mesh.primitives.size()); ++i) {
     const GltfPrimitiveRef ref{*node.mesh, i};
@@ -301,10 +304,7 @@ std::optional<Instance> Importer::import_primitive(const GltfPrimitiveRef& ref,
   HashBuilder key;
   key.add("gltf-mesh").add(bundle_hash_).add(std::int64_t{ref.mesh}).add(std::int64_t{ref.primitive});
   for (const double weight : weights) key.add(weight);
-  if (joints) {
-    for (const glm::dmat4& joint : *joints)
-      key.add(std::string_view(reinterpret_cast<const char*>(&joint), sizeof joint));
-  }
+  if (joints) key.add(std::as_bytes(std::span(*joints)));
 
   Instance instance;
   instance.material = materials_.scene_material(material_of(primitive_of(document_, ref)));

@@ -35,9 +35,10 @@ struct ImportLimits {
   int max_nodes = 100'000;
   int max_node_depth = 4096;
   std::int64_t max_json_bytes = 64ll << 20;
-  std::int64_t max_buffer_bytes = 1ll << 30;  // all buffers together
-  std::int64_t max_instances = 1'000'000;     // of one node (EXT_mesh_gpu_instancing)
-  std::int64_t max_mesh_bytes = 2ll << 30;    // all meshes as imported
+  std::int64_t max_buffer_bytes = 1ll << 30;      // all buffers together
+  std::int64_t max_instances = 1'000'000;         // of all nodes (EXT_mesh_gpu_instancing)
+  std::int64_t max_keyframe_numbers = 1ll << 27;  // read to list and play animations, again for each sampler
+  std::int64_t max_mesh_bytes = 2ll << 30;        // all meshes as imported
 };
 
 // When an animation is looked at. Before its first keyframe and after its last it stands still, unless it loops.

@@ -1,7 +1,9 @@
 #include "renderer/scene/gltf_instances.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <string>
 
 #include <glm/gtc/quaternion.hpp>
@@ -41,54 +43,46 @@ std::vector<float> read_attribute(const GltfData& data, int accessor, const std:
   return values;
 }
 
-void place(const Attribute& attribute, const float* values, glm::dmat4& translation, glm::dmat4& rotation,
-           glm::dmat4& scale) {
-  if (attribute.type == ElementType::kVec4) {
-    const glm::dquat turn(values[3], values[0], values[1], values[2]);
-    if (glm::length(turn) > 1e-6) rotation = glm::mat4_cast(glm::normalize(turn));
-  } else if (attribute.semantic == kAttributes[0].semantic) {
-    translation[3] = glm::dvec4(values[0], values[1], values[2], 1);
-  } else {
-    for (int axis = 0; axis < 3; ++axis) scale[axis][axis] = double(values[axis]);
-  }
+glm::dmat4 turned(const float* xyzw) {
+  const glm::dquat turn(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
+  return glm::length(turn) > 1e-6 ? glm::mat4_cast(glm::normalize(turn)) : glm::dmat4(1);
 }
 
 }  // namespace
 
 std::vector<glm::dmat4> instance_transforms(const GltfDocument& document, const GltfData& data, int index,
-                                            std::int64_t most) {
+                                            std::int64_t others, std::int64_t most) {
   const GltfNode& node = document.nodes[std::size_t(index)];
   if (node.instances.empty()) return {glm::dmat4(1)};
   const std::string pointer =
       "/nodes/" + std::to_string(index) + "/extensions/EXT_mesh_gpu_instancing/attributes";
   const std::uint64_t count = data.accessor(node.instances.begin()->second).count;
-  if (count > std::uint64_t(most))
-    fail(ErrorCode::kTooLarge, "has more than " + std::to_string(most) + " instances", pointer);
+  if (count > std::uint64_t(most - others))
+    fail(ErrorCode::kTooLarge, "the scene has more than " + std::to_string(most) + " instances", pointer);
   for (const auto& [semantic, accessor] : node.instances) {
     if (data.accessor(accessor).count != count)
       fail(ErrorCode::kUnprocessable, "must have as many elements as the other attributes",
            pointer + "/" + semantic);
   }
 
-  struct Placement {
-    glm::dmat4 translation{1}, rotation{1}, scale{1};
-  };
-  std::vector<Placement> placements(std::size_t(count), Placement{});
-  for (const Attribute& attribute : kAttributes) {
-    const auto found = node.instances.find(attribute.semantic);
+  std::array<std::vector<float>, std::size(kAttributes)> values;
+  for (std::size_t a = 0; a < values.size(); ++a) {
+    const auto found = node.instances.find(kAttributes[a].semantic);
     if (found == node.instances.end()) continue;
-    const std::string at = pointer + "/" + attribute.semantic;
-    check_format(data.accessor(found->second), attribute, at);
-    const std::vector<float> values = read_attribute(data, found->second, at);
-    const auto components = std::size_t(component_count(attribute.type));
-    for (std::size_t i = 0; i < placements.size(); ++i) {
-      Placement& to = placements[i];
-      place(attribute, &values[i * components], to.translation, to.rotation, to.scale);
-    }
+    const std::string at = pointer + "/" + kAttributes[a].semantic;
+    check_format(data.accessor(found->second), kAttributes[a], at);
+    values[a] = read_attribute(data, found->second, at);
   }
-  std::vector<glm::dmat4> result;
-  result.reserve(placements.size());
-  for (const Placement& p : placements) result.push_back(p.translation * p.rotation * p.scale);
+  const auto& [translations, rotations, scales] = values;
+  std::vector<glm::dmat4> result(std::size_t(count), glm::dmat4(1));
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    glm::dmat4& place = result[i];
+    if (!rotations.empty()) place = turned(&rotations[i * 4]);
+    if (!scales.empty())
+      for (int axis = 0; axis < 3; ++axis) place[axis] *= double(scales[i * 3 + std::size_t(axis)]);
+    if (!translations.empty())
+      place[3] = glm::dvec4(translations[i * 3], translations[i * 3 + 1], translations[i * 3 + 2], 1);
+  }
   return result;
 }
 

@@ -10,8 +10,9 @@
 namespace furnace {
 
 // node_from_instance of each instance; one identity for a node without the extension. Errors: kUnprocessable for accessors of a
-// wrong type or of different lengths and for values that are not finite, kTooLarge for more than `most`.
+// wrong type or of different lengths and for values that are not finite, kTooLarge for more than `most`
+// together with the `others` that the scene has already.
 std::vector<glm::dmat4> instance_transforms(const GltfDocument& document, const GltfData& data, int node,
-                                            std::int64_t most);
+                                            std::int64_t others, std::int64_t most);
 
 }  // namespace furnace

@@ -199,6 +199,18 @@ TEST(GltfVisibility, AHiddenNodeHidesWhatIsBelow) {
   EXPECT_THAT(builder.import().instances, IsEmpty());
 }
 
+// Samplers may share accessors: each reading counts.
+TEST(GltfAnimation, KeyframesAreLimited) {
+  GltfBuilder builder = Moved().built();
+  Json& samplers = builder.json["animations"][0]["samplers"];
+  for (int i = 0; i < 9; ++i) samplers.push_back(samplers[0]);
+  ImportLimits limits;
+  limits.max_keyframe_numbers = 20;
+  EXPECT_EQ(pointer_of_error(builder, limits), "no error");
+  limits.max_keyframe_numbers = 19;
+  EXPECT_EQ(pointer_of_error(builder, limits), "/animations/0/samplers/9/input");
+}
+
 TEST(GltfVisibility, AnimationsShowAndHide) {
   Moved moved;
   moved.builder.json["nodes"][0]["extensions"]["KHR_node_visibility"] = Json::object();
@@ -227,6 +239,17 @@ TEST(GltfInstances, StandAtTheirPlacesInTheNode) {
   EXPECT_EQ(scene.instances[1].world_from_model[3], glm::vec4(0, 2, 10, 1));
   EXPECT_NEAR(scene.instances[1].world_from_model[0].x, -3,
               1e-6);  // half a turn about z, three times as large
+}
+
+TEST(GltfInstances, OfAllNodesAreCountedTogether) {
+  GltfBuilder builder = instanced_builder();
+  builder.json["nodes"].push_back(builder.json["nodes"][0]);
+  builder.json["scenes"][0]["nodes"] = {0, 1};
+  ImportLimits limits;
+  limits.max_instances = 4;
+  EXPECT_EQ(pointer_of_error(builder, limits), "no error");
+  limits.max_instances = 3;
+  EXPECT_EQ(pointer_of_error(builder, limits), "/nodes/1/extensions/EXT_mesh_gpu_instancing/attributes");
 }
 
 TEST(GltfInstances, AreCheckedBeforeUse) {
