@@ -25,6 +25,8 @@ OrderedJson limits(const Capabilities& c) {
           {"maxAreaPx", c.request.max_area_px},
           {"maxSamples", c.request.max_samples},
           {"maxLayerBytes", c.request.max_layer_bytes},
+          {"maxFrames", c.request.max_frames},
+          {"maxSequencePx", c.request.max_sequence_px},
           {"maxRequestJsonBytes", c.request.max_json_bytes},
           {"maxRequestJsonDepth", c.request.max_json_depth},
           {"maxBodyBytes", c.max_body_bytes},

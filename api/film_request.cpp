@@ -89,6 +89,16 @@ void read_bloom(const Value& value, Bloom& spec) {
   read_choice(value["source"], kSources, spec.source);
 }
 
+void read_sequence(const Value& value, Sequence& spec) {
+  if (const Value frames = value["frames"]) read(frames, spec.frames.emplace());
+  read(value["framesPerSecond"], spec.frames_per_second);
+  read_degrees(value["turntableDegrees"], spec.turntable_rad);
+  static constexpr Choice<Sequence::Container> kContainers[] = {
+      {"animation", Sequence::Container::kAnimation}, {"zip", Sequence::Container::kArchive}};
+  read_choice(value["container"], kContainers, spec.container);
+  read(value["loops"], spec.loops);
+}
+
 FilmLayer film_layer_of(const Value& name) {
   const auto* row = std::find_if(kFilmLayers.begin(), kFilmLayers.end(),
                                  [&](const FilmLayerRow& known) { return known.name == name.text(); });
@@ -124,6 +134,17 @@ void check_limits(const Value& output, const RequestLimits& limits, const Output
     faults.add(ErrorCode::kTooLarge, output["layers"],
                fmt::format("{} layers of {} x {} px take {} bytes, more than this server's {}",
                            spec.layers.size(), spec.width, spec.height, layer_bytes, limits.max_layer_bytes));
+  if (const int frames = spec.sequence ? spec.sequence->frames.value_or(0) : 0; frames > 0) {
+    const Value place = output["sequence"]["frames"];
+    if (frames > limits.max_frames)
+      faults.add(ErrorCode::kTooLarge, place,
+                 fmt::format("{} frames are more than this server's {}", frames, limits.max_frames));
+    else if (const std::int64_t px = Extent{spec.width, spec.height}.area() * frames;
+             sides_fit && px > limits.max_sequence_px)
+      faults.add(ErrorCode::kTooLarge, place,
+                 fmt::format("{} frames of {} x {} px are {} px, more than this server's {}", frames,
+                             spec.width, spec.height, px, limits.max_sequence_px));
+  }
   if (spec.samples > limits.max_samples)
     faults.add(ErrorCode::kTooLarge, output[output["samples"] ? "samples" : "quality"],
                fmt::format("{} samples are more than this server's {}", spec.samples, limits.max_samples));
@@ -147,7 +168,11 @@ void read_camera(const Value& value, CameraSpec& spec, Faults& faults) {
     read(look_at["eye"], camera.eye);
     read(look_at["target"], camera.target);
     read(look_at["up"], camera.up);
+    read(look_at["heightMetres"], camera.height_m);
     read_degrees(fov, camera.fov_y_rad);
+    if (const Value height = look_at["heightMetres"]; height && fov)
+      faults.add(ErrorCode::kUnprocessable, fov,
+                 "parallel rays have no field of view; leave it out, or heightMetres");
   } else {
     auto& camera = spec.view.emplace<OrbitCamera>();
     read_degrees(orbit["azimuthDegrees"], camera.azimuth_rad);
@@ -193,6 +218,7 @@ void read_output(const Value& value, const RequestLimits& limits, OutputSpec& sp
   spec.samples = samples_for_quality(quality ? quality.text() : kDefaultQuality);
   read(value["samples"], spec.samples);
   read_layers(value, spec);
+  if (const Value sequence = value["sequence"]) read_sequence(sequence, spec.sequence.emplace());
   check_limits(value, limits, spec, faults);
 }
 

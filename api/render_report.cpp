@@ -15,17 +15,12 @@ std::string render_report_json(const RenderReport& report) {
   OrderedJson notes = OrderedJson::array();
   for (const Note& note : report.notes)
     notes.push_back({{"code", note.code}, {"pointer", note.pointer}, {"message", note.message}});
-  const OrderedJson json = {{"request", report.request},
-                            {"fingerprint", report.fingerprint},
-                            {"etag", report.etag},
-                            {"mediaType", report.media_type},
-                            {"width", report.width},
-                            {"height", report.height},
-                            {"samples", report.samples},
-                            {"bytes", report.bytes},
-                            {"exposureEv", report.exposure_ev},
-                            {"stages", stages},
-                            {"notes", notes}};
+  const OrderedJson json = {{"request", report.request}, {"fingerprint", report.fingerprint},
+                            {"etag", report.etag},       {"mediaType", report.media_type},
+                            {"width", report.width},     {"height", report.height},
+                            {"samples", report.samples}, {"frames", report.frames},
+                            {"bytes", report.bytes},     {"exposureEv", report.exposure_ev},
+                            {"stages", stages},          {"notes", notes}};
   return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 

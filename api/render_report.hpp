@@ -21,6 +21,7 @@ struct RenderReport {
   std::string etag;         // of the picture, without quotes
   std::string_view media_type;
   int width = 0, height = 0, samples = 0;
+  int frames = 1;
   std::int64_t bytes = 0;  // of the file
   double exposure_ev = 0;  // stops by which radiance was multiplied
   std::vector<Stage> stages;

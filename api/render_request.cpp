@@ -45,6 +45,8 @@ class Reader {
                   fault);
     if (const std::string fault = layers_fault(spec.output); !fault.empty())
       faults_.add(ErrorCode::kUnprocessable, root["output"]["layers"], fault);
+    if (const std::string fault = sequence_fault(spec); !fault.empty())
+      faults_.add(ErrorCode::kUnprocessable, root["output"]["sequence"], fault);
     read(root["strict"], spec.strict);
     faults_.throw_if_any();
     return spec;
@@ -237,13 +239,27 @@ class Reader {
   Faults faults_;
 };
 
-}  // namespace
-
-std::string_view media_type_of(OutputFormat format) {
+const FormatRow& row_of(OutputFormat format) {
   const auto* found = std::find_if(kFormats.begin(), kFormats.end(),
                                    [&](const FormatRow& row) { return row.format == format; });
   FURNACE_CHECK(found != kFormats.end(), "no row for format {}", static_cast<int>(format));
-  return found->media_type;
+  return *found;
+}
+
+}  // namespace
+
+std::string_view name_of(OutputFormat format) {
+  return row_of(format).name;
+}
+
+std::string_view media_type_of(OutputFormat format) {
+  return row_of(format).media_type;
+}
+
+std::string_view media_type_of(const OutputSpec& output) {
+  if (output.sequence && output.sequence->container == Sequence::Container::kArchive) return kZip;
+  if (output.sequence && output.format == OutputFormat::kPng) return kAnimatedPng;
+  return media_type_of(output.format);
 }
 
 int samples_for_quality(std::string_view quality) {

@@ -16,6 +16,8 @@ struct RequestLimits {
   std::int64_t max_area_px = 16ll << 20;
   int max_samples = 64;
   std::int64_t max_layer_bytes = 512ll << 20;  // of all film layers of a picture
+  int max_frames = 360;                        // of a sequence
+  std::int64_t max_sequence_px = 128ll << 20;  // of all its frames together
   int max_json_depth = 64;
   std::int64_t max_json_bytes = 4ll << 20;  // of the request document itself
 };
@@ -41,7 +43,12 @@ inline constexpr std::array kFormats = {FormatRow{"png", OutputFormat::kPng, "im
                                         FormatRow{"exr", OutputFormat::kExr, "image/x-exr"},
                                         FormatRow{"jpeg", OutputFormat::kJpeg, "image/jpeg"},
                                         FormatRow{"webp", OutputFormat::kWebp, "image/webp"}};
+std::string_view name_of(OutputFormat format);
 std::string_view media_type_of(OutputFormat format);
+// Of the file that is asked for: of a sequence that of its container.
+std::string_view media_type_of(const OutputSpec& output);
+
+inline constexpr std::string_view kAnimatedPng = "image/apng", kZip = "application/zip";
 
 // What {} draws, and what a "builtin:" model wears.
 inline constexpr std::string_view kDefaultMesh = "shader-ball";

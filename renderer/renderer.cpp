@@ -194,6 +194,11 @@ Film Renderer::render(const RenderSpec& spec, const Deadline& deadline) {
   return film;
 }
 
+SceneOutline Renderer::outline(const RenderSpec& spec, const Deadline& deadline) {
+  const auto composed = state_->scenes.composed(spec.scene, deadline);
+  return {outline_of(composed->scene, spec.camera), longest_clip_s(spec.scene, composed->scene.animations)};
+}
+
 EnvironmentAnswer Renderer::environment(const EnvironmentSpec& spec, const Deadline& deadline) {
   return state_->scenes.environment_summary(spec, deadline);
 }

@@ -15,6 +15,7 @@
 #include "renderer/residency/prepared_scene.hpp"
 #include "renderer/scene/render_spec.hpp"
 #include "renderer/scene/scene.hpp"
+#include "renderer/scene/sequence.hpp"
 
 namespace furnace {
 
@@ -55,6 +56,11 @@ struct Film {
   double exposure_ev = 0;  // stops by which radiance was multiplied
 };
 
+struct SceneOutline {
+  FrameOutline frame;
+  double longest_clip_s = 0;  // of those that play
+};
+
 struct EnvironmentAnswer {
   EnvironmentSummary summary;
   bool was_cached = false;
@@ -77,6 +83,9 @@ class Renderer {
 
   // Errors: those of import, decode, bake, framing; kDeadlineExceeded; kGpuUnavailable.
   Film render(const RenderSpec& spec, const Deadline& deadline);
+
+  // What a camera must see of a picture's scene, and how long its clips are. Errors: those of import; of outline_of.
+  SceneOutline outline(const RenderSpec& spec, const Deadline& deadline);
 
   // What a bake of the environment found; bakes it when no cache has it, as a render would. Errors: those of decode and bake.
   EnvironmentAnswer environment(const EnvironmentSpec& spec, const Deadline& deadline);

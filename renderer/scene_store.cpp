@@ -120,6 +120,11 @@ std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, 
   return composed;
 }
 
+std::shared_ptr<const ComposedScene> SceneStore::composed(const SceneSpec& spec, const Deadline& deadline) {
+  bool hit = false;
+  return compose(spec, deadline, hit);
+}
+
 void SceneStore::prepare_meshes(Preparation& out) {
   const std::vector<Mesh>& meshes = out.composed->scene.meshes;
   out.scene.meshes.resize(meshes.size());

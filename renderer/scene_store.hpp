@@ -30,6 +30,9 @@ class SceneStore {
   // Errors: those of import, composition, decoding and baking, with pointers into the request or the model.
   Preparation prepare(const RenderSpec& spec, const Deadline& deadline, StageTimes& times);
 
+  // Imports and composes what is not cached, decodes nothing. Errors: those of import and composition.
+  std::shared_ptr<const ComposedScene> composed(const SceneSpec& spec, const Deadline& deadline);
+
   // Bakes an environment as a render would, for its report. Errors: those of decoding and baking.
   EnvironmentAnswer environment_summary(const EnvironmentSpec& spec, const Deadline& deadline);
 

@@ -95,6 +95,8 @@ api::RequestLimits request_limits(const Config& config) {
   limits.max_area_px = config.max_area_px;
   limits.max_samples = config.max_samples;
   limits.max_layer_bytes = config.max_layer_bytes;
+  limits.max_frames = config.max_frames;
+  limits.max_sequence_px = config.max_sequence_px;
   limits.max_json_bytes = config.max_json_bytes;
   return limits;
 }
@@ -108,13 +110,13 @@ Engine::Engine(const Config& config, std::vector<std::filesystem::path> file_roo
       environments([this](const EnvironmentSpec& spec,
                           const Deadline& deadline) { return renderer.environment(spec, deadline); },
                    admission, pool_, decoders.decoder(), registry_config(config)),
-      service(renderer, admission, pool_) {}
+      renders({config.render_cache_bytes, config.data, config.render_disk_bytes}),
+      service(painter_of(renderer), admission, pool_, renders, {config.max_frames, config.max_sequence_px}) {}
 
 Application::Application(const Config& config)
     : config_(config),
       engine_(config_, paths(config_.assets)),
       metrics_(build_id()),
-      reports_(config_.report_cache_bytes),
       readiness_([this](const Deadline& deadline) { return engine_.renderer.probe(deadline); },
                  milliseconds(config_.ready_timeout_ms)),
       doors_{engine_.service,
@@ -122,7 +124,6 @@ Application::Application(const Config& config)
              engine_.files,
              engine_.decoders.decoder(),
              engine_.environments,
-             reports_,
              readiness_,
              metrics_,
              capabilities(config_, engine_.renderer),

@@ -36,6 +36,7 @@ class Engine {
   Admission admission;
   FileAssets files;
   EnvironmentRegistry environments;
+  RenderCache renders;
   RenderService service;
 };
 
@@ -59,7 +60,6 @@ class Application {
   const Config config_;
   Engine engine_;
   Metrics metrics_;
-  ReportStore reports_;
   Readiness readiness_;
   const Doors doors_;
   const Dispatcher public_dispatcher_;

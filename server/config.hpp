@@ -37,6 +37,8 @@ struct Config {
   std::int64_t max_area_px = 16ll << 20;
   int max_samples = 64;
   std::int64_t max_layer_bytes = 512ll << 20;
+  int max_frames = 360;
+  std::int64_t max_sequence_px = 128ll << 20;
 
   std::string decoder_sandbox = "prefer";
   int decoders = 0;                          // 0: one per core
@@ -59,7 +61,8 @@ struct Config {
   std::int64_t gpu_cache_bytes = 1024ll << 20;
   std::int64_t file_cache_bytes = 256ll << 20;
   std::int64_t max_file_bytes = 512ll << 20;
-  std::int64_t report_cache_bytes = 8ll << 20;
+  std::int64_t render_cache_bytes = 256ll << 20;
+  std::int64_t render_disk_bytes = 4096ll << 20;
 };
 
 using NamedValues =

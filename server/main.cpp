@@ -34,9 +34,9 @@ int main(int argc, char** argv) {
   CLI::App root{"Furnace renders glTF and JSON scenes with physically based light."};
   root.require_subcommand(1);
   const std::vector<furnace::Command> commands = {
-      furnace::serve_command(root),   furnace::render_command(root), furnace::bake_command(root),
-      furnace::inspect_command(root), furnace::doctor_command(root), furnace::check_config_command(root),
-      furnace::version_command(root),
+      furnace::serve_command(root),        furnace::render_command(root),  furnace::bake_command(root),
+      furnace::inspect_command(root),      furnace::sheet_command(root),   furnace::doctor_command(root),
+      furnace::check_config_command(root), furnace::version_command(root),
   };
   try {
     root.parse(argc, argv);

@@ -14,10 +14,10 @@
 #include "renderer/base/log.hpp"
 #include "api/contract.hpp"
 #include "api/document.hpp"
-#include "api/render_report.hpp"
 #include "api/render_request.hpp"
 #include "server/build_id.hpp"
 #include "server/environment_routes.hpp"
+#include "server/hash_text.hpp"
 #include "server/inspect_routes.hpp"
 #include "server/negotiation.hpp"
 #include "server/request_body.hpp"
@@ -26,27 +26,31 @@ namespace furnace {
 namespace {
 
 constexpr std::string_view kJson = "application/json";
-constexpr std::string_view kReports = "/v1/reports/";
+constexpr std::string_view kRenders = "/v1/renders/", kReports = "/v1/reports/";
 constexpr std::string_view kPlainText = "text/plain; charset=utf-8";
 constexpr std::size_t kMaxNoteCodes = 8;  // in a header; the metrics count them all
 
 // --- POST /v1/renders
 // -------------------------------------------------------------------------------------------------
 
-// What Accept likes best; of what it likes as much the first of the table, which is PNG.
+// What Accept likes best; of what it likes as much, or not at all, the first of the table, which is PNG.
 OutputFormat preferred_format(std::string_view accept) {
   const auto quality = [&](const api::FormatRow& row) { return accept_quality(accept, row.media_type); };
-  const auto best = std::ranges::max_element(api::kFormats, {}, quality);
-  if (quality(*best) <= 0) {
-    const auto types = api::kFormats | std::views::transform(&api::FormatRow::media_type);
-    fail(ErrorCode::kNotAcceptable, fmt::format("A render is one of {}.", fmt::join(types, ", ")));
-  }
-  return best->format;
+  return std::ranges::max_element(api::kFormats, {}, quality)->format;
 }
 
-bool names_format(std::string_view document, const api::RequestLimits& limits) {
+// An animated PNG is a PNG to whoever knows no better.
+double quality_of(std::string_view accept, std::string_view media_type) {
+  const double quality = accept_quality(accept, media_type);
+  return media_type == api::kAnimatedPng ? std::max(quality, accept_quality(accept, "image/png")) : quality;
+}
+
+// Where the document asks for what Accept refuses; "" when it left the choice to Accept.
+std::string choice_of_file(std::string_view document, const api::RequestLimits& limits) {
   const auto parsed = api::Document::parse(document, {limits.max_json_depth, limits.max_json_bytes});
-  return static_cast<bool>(parsed.root()["output"]["format"]);
+  const api::Value output = parsed.root()["output"];
+  if (const api::Value container = output["sequence"]["container"]) return container.pointer();
+  return output["format"] ? output["format"].pointer() : std::string();
 }
 
 // A format in the document wins, unless Accept excludes it; without one Accept chooses.
@@ -56,25 +60,15 @@ RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Do
   const AssetResolver assets(doors.files, body.parts, can.import,
                              [&](const std::string& name) { return doors.environments.find(name); });
   const RenderSpec spec = api::parse_render_request(body.document, assets, can.request, preferred);
-  const std::string_view media_type = api::media_type_of(spec.output.format);
-  if (names_format(body.document, can.request) && accept_quality(accept, media_type) <= 0) {
-    fail(ErrorCode::kNotAcceptable,
-         fmt::format("output.format asks for {}, which Accept refuses.", media_type), "/output/format");
-  }
-  return spec;
-}
-
-std::vector<api::RenderReport::Stage> stages_of(const StageTimes& times) {
-  const auto where = [](bool hit, std::string_view cache = "hit") {
-    return hit ? cache : std::string_view();
-  };
-  return {{"queue", times.queue_ms, {}},
-          {"decode", times.decode_ms, where(times.decode_hit)},
-          {"bake", times.bake_ms, where(times.bake_hit, times.bake_from_disk ? "disk" : "hit")},
-          {"upload", times.upload_ms, where(times.upload_hit)},
-          {"draw", times.draw_ms, {}},
-          {"readback", times.readback_ms, {}},
-          {"encode", times.encode_ms, {}}};
+  const std::string_view media_type = api::media_type_of(spec.output);
+  if (quality_of(accept, media_type) > 0) return spec;
+  if (std::string pointer = choice_of_file(body.document, can.request); !pointer.empty())
+    fail(ErrorCode::kNotAcceptable, fmt::format("This asks for {}, which Accept refuses.", media_type),
+         std::move(pointer));
+  const auto types = api::kFormats | std::views::transform(&api::FormatRow::media_type);
+  fail(ErrorCode::kNotAcceptable, spec.output.sequence
+                                      ? fmt::format("This sequence is {}, which Accept refuses.", media_type)
+                                      : fmt::format("A render is one of {}.", fmt::join(types, ", ")));
 }
 
 std::string server_timing(const std::vector<api::RenderReport::Stage>& stages) {
@@ -83,23 +77,6 @@ std::string server_timing(const std::vector<api::RenderReport::Stage>& stages) {
                        stage.ms);
   };
   return fmt::format("{}", fmt::join(stages | std::views::transform(text), ", "));
-}
-
-api::RenderReport report_of(const RenderSpec& spec, const EncodedImage& image, const Doors& doors,
-                            const std::string& etag) {
-  api::RenderReport report;
-  report.request = spec_hash(spec).hex();
-  report.fingerprint = doors.service.fingerprint();
-  report.etag = etag;
-  report.media_type = image.media_type;
-  report.width = spec.output.width;
-  report.height = spec.output.height;
-  report.samples = spec.output.samples;
-  report.bytes = std::int64_t(image.bytes.size());
-  report.exposure_ev = image.exposure_ev;
-  report.stages = stages_of(image.times);
-  report.notes = image.notes;
-  return report;
 }
 
 // A structured field (RFC 8941): how many notes, and their codes, each once.
@@ -113,52 +90,98 @@ std::string notes_field(const std::vector<Note>& notes) {
   return fmt::format("{};codes=\"{}\"", notes.size(), fmt::join(codes, " "));
 }
 
-// The link only where the report is still kept.
-Reply& with_validators(Reply& reply, const Doors& doors, const std::string& etag) {
-  if (doors.reports.find(etag))
-    reply.with("Link", fmt::format("<{}{}>; rel=\"describedby\"; type=\"{}\"", kReports, etag, kJson));
-  return reply.with("ETag", '"' + etag + '"')
-      .with("Vary", "Accept")
-      .with("Cache-Control", "no-cache")
-      .with("Furnace-Fingerprint", doors.service.fingerprint());
+std::string_view origin_name(RenderOrigin origin) {
+  switch (origin) {
+    case RenderOrigin::kDrawn:
+      return "drawn";
+    case RenderOrigin::kJoined:
+      return "joined";
+    case RenderOrigin::kMemory:
+      return "memory";
+    case RenderOrigin::kDisk:
+      break;
+  }
+  return "disk";
 }
 
-void count_render(Metrics& metrics, const RenderSpec& spec, const EncodedImage& image) {
+// RFC 9211: what the cache of renders did.
+std::string cache_status(RenderOrigin origin) {
+  switch (origin) {
+    case RenderOrigin::kDrawn:
+      return "furnace; fwd=miss; stored";
+    case RenderOrigin::kJoined:
+      return "furnace; fwd=miss; collapsed";
+    default:
+      return fmt::format("furnace; hit; detail={}", origin_name(origin));
+  }
+}
+
+Reply& with_tag(Reply& reply, const Doors& doors, const std::string& etag) {
+  return reply.with("ETag", '"' + etag + '"').with("Furnace-Fingerprint", doors.service.fingerprint());
+}
+
+// The links only where the picture is still kept.
+Reply& with_validators(Reply& reply, const Doors& doors, const std::string& etag, bool is_kept) {
+  if (is_kept)
+    reply.with("Content-Location", fmt::format("{}{}", kRenders, etag))
+        .with("Link", fmt::format("<{}{}>; rel=\"describedby\"; type=\"{}\"", kReports, etag, kJson));
+  return with_tag(reply, doors, etag).with("Vary", "Accept").with("Cache-Control", "no-cache");
+}
+
+void count_render(Metrics& metrics, const RenderSpec& spec, const Rendered& rendered) {
+  metrics.cache_lookups.Add({{"cache", "renders"}, {"result", std::string(origin_name(rendered.origin))}})
+      .Increment();
+  if (rendered.origin != RenderOrigin::kDrawn) return;
   metrics.renders.Increment();
-  metrics.pixels.Increment(double(spec.output.width) * spec.output.height);
-  metrics.observe_stages(image.times);
-  for (const Note& note : image.notes) metrics.notes.Add({{"code", note.code}}).Increment();
+  metrics.pixels.Increment(double(spec.output.width) * spec.output.height * rendered.image->frames);
+  metrics.observe_stages(rendered.times);
+  for (const Note& note : rendered.image->notes) {
+    metrics.notes.Add({{"code", note.code}}).Increment();
+    log::info("render.note", {{"code", note.code}, {"pointer", note.pointer}, {"message", note.message}});
+  }
 }
 
 Reply post_render(const Doors& doors, const Request& request) {
   const RenderSpec spec = parse_spec(read_body(request, doors.max_parts), request.header("Accept"), doors);
-  const std::string etag = doors.service.etag(spec);
+  const ContentHash tag = doors.service.etag(spec);
+  const std::string etag = tag.hex();
   if (etag_matches(request.header("If-None-Match"), etag)) {
     doors.metrics.not_modified.Increment();
     Reply unchanged{304, {}, {}, {}};
-    return with_validators(unchanged, doors, etag);
+    return with_validators(unchanged, doors, etag, doors.service.keeps(tag));
   }
-  EncodedImage image = doors.service.render(spec, request.deadline);
-  count_render(doors.metrics, spec, image);
-  for (const Note& note : image.notes) {
-    log::info("render.note", {{"code", note.code}, {"pointer", note.pointer}, {"message", note.message}});
-  }
-  doors.reports.put(etag, api::render_report_json(report_of(spec, image, doors, etag)));
-  Reply reply{200, std::string(image.media_type), std::move(image.bytes), {}};
-  reply.with("Server-Timing", server_timing(stages_of(image.times)))
+  const Rendered rendered = doors.service.render(spec, request.deadline);
+  const api::StoredRender& image = *rendered.image;
+  count_render(doors.metrics, spec, rendered);
+  Reply reply{200, image.media_type, image.bytes, {}};
+  if (rendered.origin == RenderOrigin::kDrawn)
+    reply.with("Server-Timing", server_timing(stages_of(rendered.times)));
+  reply.with("Cache-Status", cache_status(rendered.origin))
       .with("Furnace-Notes", notes_field(image.notes))
       .with("Furnace-Exposure-Ev", fmt::format("{}", image.exposure_ev));
-  return with_validators(reply, doors, etag);
+  return with_validators(reply, doors, etag, doors.service.keeps(tag));
+}
+
+RenderCache::Pointer kept_render(const Doors& doors, const Request& request, std::string_view prefix) {
+  const auto tag = parse_hash(std::string_view(request.path).substr(prefix.size()));
+  RenderCache::Pointer kept = tag ? doors.service.find(*tag, request.deadline) : nullptr;
+  if (kept) return kept;
+  fail(ErrorCode::kNotFound,
+       "There is no such render. They are kept for a while only; the same request draws it again.");
+}
+
+// A picture under its tag never changes (RFC 8246).
+Reply get_render(const Doors& doors, const Request& request) {
+  const RenderCache::Pointer kept = kept_render(doors, request, kRenders);
+  const std::string etag = request.path.substr(kRenders.size());
+  const bool unchanged = etag_matches(request.header("If-None-Match"), etag);
+  Reply reply = unchanged ? Reply{304, {}, {}, {}} : Reply{200, kept->media_type, kept->bytes, {}};
+  return with_tag(reply, doors, etag).with("Cache-Control", "public, max-age=31536000, immutable");
 }
 
 Reply get_report(const Doors& doors, const Request& request) {
-  std::optional<std::string> report = doors.reports.find(request.path.substr(kReports.size()));
-  if (!report) {
-    fail(ErrorCode::kNotFound,
-         "There is no such report. They are kept for a while only; the next render of the same request makes "
-         "it again.");
-  }
-  return Reply{200, std::string(kJson), *std::move(report), {}}.with("Cache-Control", "no-cache");
+  return Reply{200, std::string(kJson), kept_render(doors, request, kReports)->report, {}}.with(
+      "Cache-Control", "no-cache");
 }
 
 // --- documents
@@ -251,6 +274,8 @@ std::vector<Route> public_routes(const Doors& doors, bool with_metrics) {
   std::vector<Route> routes = operation_routes(doors, with_metrics);
   routes.push_back(
       {"POST", "/v1/renders", [doors](const Request& request) { return post_render(doors, request); }});
+  routes.push_back(
+      {"GET", "/v1/renders/*", [doors](const Request& request) { return get_render(doors, request); }});
   routes.push_back(
       {"GET", "/v1/reports/*", [doors](const Request& request) { return get_report(doors, request); }});
   routes.push_back(

@@ -13,7 +13,6 @@
 #include "server/environment_registry.hpp"
 #include "server/metrics.hpp"
 #include "server/render_service.hpp"
-#include "server/report_store.hpp"
 
 namespace furnace {
 
@@ -48,7 +47,6 @@ struct Doors {
   FileAssets& files;
   Decoder& decoder;
   EnvironmentRegistry& environments;
-  ReportStore& reports;
   Readiness& readiness;
   Metrics& metrics;
   api::Capabilities capabilities;  // with the limits that requests are held to

@@ -80,6 +80,9 @@ constexpr std::array kSettings = {
     number("max-samples", &Config::max_samples, Unit::kCount, 1, 4096, "most samples a request may ask for"),
     number("max-layers", &Config::max_layer_bytes, Unit::kBytes, 0, 64 * kGiB,
            "film layers of one picture, as they are drawn"),
+    number("max-frames", &Config::max_frames, Unit::kCount, 2, 100'000, "most frames of one sequence"),
+    number("max-sequence", &Config::max_sequence_px, Unit::kCount, 1, 1ll << 40,
+           "largest width * height * frames of a sequence, px"),
 
     text("decoder-sandbox", &Config::decoder_sandbox, Unit::kChoice,
          "images, compressed meshes and models other than glTF are decoded in child processes that may do "
@@ -124,8 +127,10 @@ constexpr std::array kSettings = {
            "files below --assets kept in memory"),
     number("max-file", &Config::max_file_bytes, Unit::kBytes, 1024, 1024 * kGiB,
            "largest file below --assets"),
-    number("report-cache", &Config::report_cache_bytes, Unit::kBytes, 0, 64 * kGiB,
-           "reports of the last renders kept in memory for /v1/reports"),
+    number("render-cache", &Config::render_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,
+           "finished renders, with their reports, kept in memory"),
+    number("render-disk-cache", &Config::render_disk_bytes, Unit::kBytes, 0, 1024 * kGiB,
+           "finished renders kept below --data"),
 };
 
 struct Suffix {

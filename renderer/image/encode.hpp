@@ -3,6 +3,7 @@
 
 #include "renderer/image/image.hpp"
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -48,5 +49,26 @@ struct WebpSettings {
 inline constexpr int kMaxWebpSidePx = 16383;
 std::string encode_webp(const Image& image, const WebpSettings& settings,
                         const std::vector<TextField>& metadata);
+
+// Pictures one after the other in one file, which does not keep them as images.
+// Threads: one. Owns: what it has written.
+class AnimationEncoder {
+ public:
+  virtual ~AnimationEncoder() = default;
+  // All of one extent, type and number of channels.
+  virtual void add(const Image& frame) = 0;
+  // After as many frames as were announced.
+  virtual std::string finish() = 0;
+};
+struct AnimationTiming {
+  int frames = 2;
+  double frames_per_second = 24;  // [0.1, 120]
+  int loops = 0;                  // 0: for ever
+};
+// Frames as of encode_png and of encode_webp, each shown alone, with its alpha. Errors: as theirs.
+std::unique_ptr<AnimationEncoder> png_animation(const AnimationTiming& timing,
+                                                const std::vector<TextField>& metadata);
+std::unique_ptr<AnimationEncoder> webp_animation(const AnimationTiming& timing, const WebpSettings& settings,
+                                                 const std::vector<TextField>& metadata);
 
 }  // namespace furnace

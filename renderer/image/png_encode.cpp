@@ -1,9 +1,9 @@
 #include "renderer/image/encode.hpp"
-#include "renderer/image/png_filter.hpp"
+#include "renderer/image/png_chunks.hpp"
 #include "renderer/image/png_deflate.hpp"
+#include "renderer/image/png_filter.hpp"
 #include "renderer/base/check.hpp"
 
-#include <fmt/format.h>
 #include <libdeflate.h>
 
 #include <algorithm>
@@ -14,34 +14,6 @@
 namespace furnace {
 
 namespace {
-
-void append_big_endian(std::string& out, std::uint32_t value) {
-  for (int shift : {24, 16, 8, 0}) out.push_back(static_cast<char>(value >> shift));
-}
-
-// Patches length and checksum around what `write` appends.
-template <class Write>
-void append_chunk(std::string& out, std::string_view type, Write&& write) {
-  const std::size_t start = out.size();
-  append_big_endian(out, 0);
-  out += type;
-  write();
-  const std::size_t size = out.size() - start - 8;
-  for (std::size_t i = 0; i < 4; ++i) out[start + i] = static_cast<char>(size >> (24 - 8 * i));
-  append_big_endian(out, libdeflate_crc32(0, out.data() + start + 4, size + 4));
-}
-
-void append_text(std::string& out, const TextField& field) {
-  const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 0x80; };
-  FURNACE_CHECK(!field.key.empty() && field.key.size() < 80, "a PNG keyword \"{}\"", field.key);
-  const bool is_plain = std::ranges::all_of(field.value, is_ascii);
-  append_chunk(out, is_plain ? "tEXt" : "iTXt", [&] {
-    out += field.key;
-    out += '\0';
-    if (!is_plain) out.append(4, '\0');  // not compressed, no language, no translated keyword
-    out += field.value;
-  });
-}
 
 // Minimum sum of absolute differences, the heuristic of the PNG specification (second edition, 12.8). Bytes are signed here.
 std::uint64_t cost_of(std::span<const std::uint8_t> filtered) {
@@ -85,28 +57,80 @@ std::vector<std::uint8_t> filter_rows(const Image& image) {
   return filtered;
 }
 
+void append_text(std::string& out, const TextField& field) {
+  const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 0x80; };
+  FURNACE_CHECK(!field.key.empty() && field.key.size() < 80, "a PNG keyword \"{}\"", field.key);
+  const bool is_plain = std::ranges::all_of(field.value, is_ascii);
+  const std::size_t chunk = begin_chunk(out, is_plain ? "tEXt" : "iTXt");
+  out += field.key;
+  out += '\0';
+  if (!is_plain) out.append(4, '\0');  // not compressed, no language, no translated keyword
+  out += field.value;
+  end_chunk(out, chunk);
+}
+
 }  // namespace
 
-std::string encode_png(const Image& image, const std::vector<TextField>& metadata) {
+void append_big_endian(std::string& out, std::uint32_t value) {
+  for (int shift : {24, 16, 8, 0}) out.push_back(static_cast<char>(value >> shift));
+}
+
+void append_big_endian16(std::string& out, std::uint32_t value) {
+  for (int shift : {8, 0}) out.push_back(static_cast<char>(value >> shift));
+}
+
+std::size_t begin_chunk(std::string& out, std::string_view type) {
+  const std::size_t start = out.size();
+  append_big_endian(out, 0);
+  out += type;
+  return start;
+}
+
+void end_chunk(std::string& out, std::size_t start) {
+  const std::size_t size = out.size() - start - 8;
+  for (std::size_t i = 0; i < 4; ++i) out[start + i] = static_cast<char>(size >> (24 - 8 * i));
+  append_big_endian(out, libdeflate_crc32(0, out.data() + start + 4, size + 4));
+}
+
+void append_png_head(std::string& out, const Image& image) {
   static constexpr std::array<std::uint8_t, 4> kColorType = {0, 4, 2, 6};
   const bool is_wide = image.type == SampleType::kUint16;
   FURNACE_CHECK((is_wide || image.type == SampleType::kUint8) && image.extent.area() > 0,
                 "a PNG of sample type {}", static_cast<int>(image.type));
-  std::string png = "\x89PNG\r\n\x1a\n";
-  append_chunk(png, "IHDR", [&] {
-    append_big_endian(png, static_cast<std::uint32_t>(image.extent.width));
-    append_big_endian(png, static_cast<std::uint32_t>(image.extent.height));
-    png += is_wide ? '\x10' : '\x08';
-    png += static_cast<char>(kColorType[static_cast<std::size_t>(image.channels - 1)]);
-    png.append(3, '\0');
-  });
-  if (image.color_space == ColorSpace::kSrgb) {
-    append_chunk(png, "sRGB", [&] { png += '\0'; });  // perceptual intent
-  }
-  for (const TextField& field : metadata) append_text(png, field);
-  append_chunk(png, "IDAT",
-               [&] { append_run_deflated(filter_rows(is_wide ? big_endian(image) : image), png); });
-  append_chunk(png, "IEND", [] {});
+  out += "\x89PNG\r\n\x1a\n";
+  const std::size_t header = begin_chunk(out, "IHDR");
+  append_big_endian(out, static_cast<std::uint32_t>(image.extent.width));
+  append_big_endian(out, static_cast<std::uint32_t>(image.extent.height));
+  out += is_wide ? '\x10' : '\x08';
+  out += static_cast<char>(kColorType[static_cast<std::size_t>(image.channels - 1)]);
+  out.append(3, '\0');
+  end_chunk(out, header);
+  if (image.color_space != ColorSpace::kSrgb) return;
+  const std::size_t tag = begin_chunk(out, "sRGB");
+  out += '\0';  // perceptual intent
+  end_chunk(out, tag);
+}
+
+void append_png_text(std::string& out, const std::vector<TextField>& metadata) {
+  for (const TextField& field : metadata) append_text(out, field);
+}
+
+void append_png_rows(std::string& out, const Image& image) {
+  append_run_deflated(filter_rows(image.type == SampleType::kUint16 ? big_endian(image) : image), out);
+}
+
+void append_png_end(std::string& out) {
+  end_chunk(out, begin_chunk(out, "IEND"));
+}
+
+std::string encode_png(const Image& image, const std::vector<TextField>& metadata) {
+  std::string png;
+  append_png_head(png, image);
+  append_png_text(png, metadata);
+  const std::size_t rows = begin_chunk(png, "IDAT");
+  append_png_rows(png, image);
+  end_chunk(png, rows);
+  append_png_end(png);
   return png;
 }
 

@@ -4,6 +4,7 @@
 #include "renderer/scene/lens.hpp"
 #include "renderer/scene/render_spec.hpp"
 #include "renderer/scene/scene.hpp"
+#include "renderer/scene/tight_framing.hpp"
 
 namespace furnace {
 
@@ -15,6 +16,12 @@ struct View {
   bool orthographic = false;
   Lens lens = {};
 };
+
+double aspect_of(Extent picture);
+
+// Of the camera in the world: columns right, up, back; and of the planes that bound what it must see.
+glm::dmat3 orbit_axes(const OrbitCamera& orbit);
+Slopes orbit_slopes(const OrbitCamera& orbit, double aspect);
 
 // Orbit: the nearest eye from which every vertex of the scene (not of its box or sphere) lies in the frame
 // divided by `fit`, the projected model centred in the picture; an empty scene is framed as the unit cube.

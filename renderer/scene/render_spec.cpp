@@ -211,8 +211,8 @@ class CanonicalHash {
   }
 
   void add(const LookAtCamera& value) {
-    const auto& [eye, target, up, fov_y_rad] = value;
-    add_all(eye, target, up, fov_y_rad);
+    const auto& [eye, target, up, fov_y_rad, height_m] = value;
+    add_all(eye, target, up, fov_y_rad, height_m);
   }
 
   void add(const IntrinsicsCamera& value) {
@@ -262,11 +262,16 @@ class CanonicalHash {
     add_all(intensity, radius, source, threshold);
   }
 
+  void add(const Sequence& value) {
+    const auto& [frames, frames_per_second, turntable_rad, container, loops] = value;
+    add_all(frames, frames_per_second, turntable_rad, container, loops);
+  }
+
   void add(const OutputSpec& value) {
     const auto& [width, height, format, bit_depth, exr_type, exr_compression, compression_quality, lossless,
-                 tone_map, grade, pixel_filter, bloom, samples, layers, shown] = value;
+                 tone_map, grade, pixel_filter, bloom, samples, layers, shown, sequence] = value;
     add_all(width, height, format, bit_depth, exr_type, exr_compression, compression_quality, lossless,
-            tone_map, grade, pixel_filter, bloom, samples, layers, shown);
+            tone_map, grade, pixel_filter, bloom, samples, layers, shown, sequence);
   }
 
   void add(const RenderSpec& value) {
@@ -312,6 +317,22 @@ std::string layers_fault(const OutputSpec& output) {
     return "only an EXR keeps layers beside the picture; ask for format exr, or show one of them alone";
   if (output.exr_compression == ExrCompression::kDwaa)
     return "dwaa would change the numbers of layers; ask for another exrCompression";
+  return {};
+}
+
+std::string sequence_fault(const RenderSpec& spec) {
+  if (!spec.output.sequence) return {};
+  const Sequence& sequence = *spec.output.sequence;
+  const bool plays = !spec.scene.animations.empty(), turns = sequence.turntable_rad != 0;
+  if (!plays && !turns) return "nothing moves: give it turntableDegrees, or the scene an animation";
+  if (!plays && !sequence.frames) return "needs frames: nothing but an animation has a length of its own";
+  const auto& view = spec.camera.view;
+  if (turns && !std::holds_alternative<OrbitCamera>(view) && !std::holds_alternative<LookAtCamera>(view))
+    return "only an orbit or lookAt camera can go round; leave out turntableDegrees or the camera";
+  const OutputFormat format = spec.output.format;
+  if (sequence.container == Sequence::Container::kAnimation && format != OutputFormat::kPng &&
+      format != OutputFormat::kWebp)
+    return "only png and webp hold an animation; ask for one of them, or for container zip";
   return {};
 }
 

@@ -162,6 +162,7 @@ struct OrbitCamera {
 struct LookAtCamera {
   glm::vec3 eye{0}, target{0}, up{0, 1, 0};  // m
   double fov_y_rad = 0.5236;
+  std::optional<double> height_m = {};  // of the picture: parallel rays; fov_y_rad has no effect
 };
 // A calibrated pinhole: what structure from motion and camera calibration give.
 struct IntrinsicsCamera {
@@ -240,6 +241,16 @@ struct Bloom {
   double threshold = 1;  // exposed radiance
 };
 
+// Several pictures in place of one: the clips play on, the camera goes round.
+struct Sequence {
+  enum class Container { kAnimation, kArchive };  // APNG or animated WebP; a ZIP of single files
+  std::optional<int> frames;                      // none: as many as the longest clip has at this rate
+  double frames_per_second = 24;
+  double turntable_rad = 0;  // the camera's way round over all frames, towards larger azimuths
+  Container container = Container::kAnimation;
+  int loops = 0;  // 0: for ever
+};
+
 struct OutputSpec {
   int width = 1024, height = 1024;  // px
   OutputFormat format = OutputFormat::kPng;
@@ -255,6 +266,7 @@ struct OutputSpec {
   int samples = 1;                 // sub-frames, each with the context's MSAA
   std::vector<FilmLayer> layers;   // beside the picture, of an EXR: in the order of their rows, each once
   std::optional<FilmLayer> shown;  // in place of the picture; no matte
+  std::optional<Sequence> sequence;
 };
 
 struct RenderSpec {
@@ -267,11 +279,13 @@ struct RenderSpec {
 
 // Why a file of the format cannot hold such a picture; "" when it can.
 std::string format_fault(const RenderSpec& spec);
+// Why there can be no such sequence; "" when there can.
+std::string sequence_fault(const RenderSpec& spec);
 // Why its layers cannot be kept in such a file; "" when they can.
 std::string layers_fault(const OutputSpec& output);
 
 // Raised when the same canonical bytes would mean another picture.
-inline constexpr int kRenderSpecVersion = 5;
+inline constexpr int kRenderSpecVersion = 6;
 
 // Hash of the canonical form: equal for two specs that describe the same picture, whatever JSON they came
 // from.

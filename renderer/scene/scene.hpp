@@ -80,6 +80,8 @@ struct Note {
   std::string code;     // stable, kebab-case: "extension-ignored", "normals-generated", ...
   std::string pointer;  // into the model's document
   std::string message;
+
+  bool operator==(const Note&) const = default;
 };
 
 // Threads: immutable once built. Owns: all it names.

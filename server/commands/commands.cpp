@@ -56,6 +56,22 @@ LoadedConfig SettingOptions::load() const {
   return load_config(sources);
 }
 
+Config local_config() {
+  Config config;
+  config.queue = 0;
+  config.max_side_px = 16384;
+  config.max_area_px = 256ll << 20;
+  config.max_samples = 4096;
+  config.max_layer_bytes = 64ll << 30;
+  config.render_cache_bytes = 0;
+  config.max_frames = 100'000;
+  config.max_sequence_px = 1ll << 40;
+  config.max_json_bytes = 256ll << 20;
+  config.max_file_bytes = 4ll << 30;
+  config.timeout_ms = 24ll * 3600 * 1000;
+  return config;
+}
+
 void add_decoder_option(CLI::App& command, Config& config) {
   config.decoder_sandbox = "off";
   command.add_option("--decoder-sandbox", config.decoder_sandbox, "as of serve, but off unless given")

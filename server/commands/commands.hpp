@@ -27,6 +27,7 @@ Command serve_command(CLI::App& root);
 Command render_command(CLI::App& root);
 Command bake_command(CLI::App& root);
 Command inspect_command(CLI::App& root);
+Command sheet_command(CLI::App& root);
 Command doctor_command(CLI::App& root);
 Command check_config_command(CLI::App& root);
 Command version_command(CLI::App& root);
@@ -45,6 +46,9 @@ class SettingOptions {
   std::string config_file_;
   std::map<std::string, std::vector<std::string>> given_;
 };
+
+// On one's own machine the only limits are those of the formats.
+Config local_config();
 
 // --decoder-sandbox, off unless given: who names a file on the own machine mostly trusts it.
 void add_decoder_option(CLI::App& command, Config& config);

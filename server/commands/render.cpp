@@ -17,6 +17,7 @@
 #include "api/render_request.hpp"
 #include "server/application.hpp"
 #include "server/commands/commands.hpp"
+#include "server/commands/frame_files.hpp"
 #include "server/commands/render_options.hpp"
 
 namespace furnace {
@@ -45,20 +46,6 @@ struct Job {
   bool document_is_ours = false;  // made from the options, so they need not be applied to it
 };
 
-// On one's own machine the only limits are those of the formats.
-Config local_config() {
-  Config config;
-  config.queue = 0;
-  config.max_side_px = 16384;
-  config.max_area_px = 256ll << 20;
-  config.max_samples = 4096;
-  config.max_layer_bytes = 64ll << 30;
-  config.max_json_bytes = 256ll << 20;
-  config.max_file_bytes = 4ll << 30;
-  config.timeout_ms = 24ll * 3600 * 1000;
-  return config;
-}
-
 bool on_terminal() {
   return ::isatty(STDERR_FILENO) == 1;
 }
@@ -74,13 +61,16 @@ void name_environment(const Arguments& arguments, RenderOptions& options, Job& j
   }
 }
 
-// The name of the output says which format it has, unless that was said.
+// The name of the output says which format it has, unless that was said; and what holds a sequence.
 void name_format(const Arguments& arguments, RenderOptions& options) {
+  if (FrameFiles::parse(arguments.output) || fs::path(arguments.output).extension() == ".zip")
+    options.container = "zip";
   if (options.format) return;
   const std::string extension = fs::path(arguments.output).extension();
   for (const api::FormatRow& row : api::kFormats)
     if (extension.substr(std::min<std::size_t>(1, extension.size())) == row.name) options.format = row.name;
   if (extension == ".jpg") options.format = "jpeg";
+  if (extension == ".apng") options.format = "png";
 }
 
 Job make_job(const Arguments& arguments, const RenderOptions& options, Job job) {
@@ -130,8 +120,9 @@ void tell_begin(const RenderSpec& spec) {
   }
 }
 
-void tell_picture(const EncodedImage& image, double total_ms) {
-  const StageTimes& t = image.times;
+void tell_picture(const Rendered& rendered, double total_ms) {
+  const StageTimes& t = rendered.times;
+  const api::StoredRender& image = *rendered.image;
   if (!on_terminal()) {
     log::info("render.done", {{"bytes", image.bytes.size()},
                               {"exposure_ev", image.exposure_ev},
@@ -171,6 +162,26 @@ void write_output(const std::string& output, std::string_view bytes) {
   }
 }
 
+void tell_frame(int done, int frames) {
+  if (on_terminal()) {
+    fmt::print(stderr, "\rframe {} of {}{}", done, frames, done == frames ? "\n" : "");
+  } else {
+    log::info("render.frame", {{"done", done}, {"frames", frames}});
+  }
+}
+
+std::vector<Note> write_frames(const FrameFiles& files, RenderService& service, const RenderSpec& spec,
+                               const Deadline& deadline) {
+  std::vector<Note> notes;
+  service.render_frames(spec, deadline, [&](int frame, int frames, const api::StoredRender& image) {
+    write_file_atomically(files.name_of(frame), image.bytes);
+    for (const Note& note : image.notes)
+      if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+    tell_frame(frame + 1, frames);
+  });
+  return notes;
+}
+
 int render(const Arguments& arguments) {
   if (on_terminal()) log::set_level(log::Level::kWarning);
   gl::apply_determinism(arguments.config.determinism == "exact" ? gl::Determinism::kExact
@@ -184,14 +195,19 @@ int render(const Arguments& arguments) {
   Engine engine(arguments.config, {job.root});
   const RenderSpec spec = make_spec(arguments, options, job, engine.files);
   tell_begin(spec);
-  EncodedImage image;
+  const Deadline deadline(std::chrono::milliseconds(arguments.config.timeout_ms));
+  if (const auto files = FrameFiles::parse(arguments.output); files && spec.output.sequence) {
+    tell_notes(write_frames(*files, engine.service, spec, deadline));
+    return kDone;
+  }
+  Rendered rendered;
   for (int i = 0; i < arguments.repeat; ++i) {
     const auto start = Clock::now();
-    image = engine.service.render(spec, Deadline(std::chrono::milliseconds(arguments.config.timeout_ms)));
-    tell_picture(image, std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+    rendered = engine.service.render(spec, deadline, tell_frame);
+    tell_picture(rendered, std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   }
-  tell_notes(image.notes);
-  write_output(arguments.output, image.bytes);
+  tell_notes(rendered.image->notes);
+  write_output(arguments.output, rendered.image->bytes);
   return kDone;
 }
 
@@ -201,7 +217,10 @@ void add_options(CLI::App& command, Arguments& to) {
       .add_option("input", to.input,
                   "REQUEST.json, MODEL.glb, .gltf, .obj, .stl or .ply, or - for standard input")
       ->required();
-  command.add_option("-o,--output", to.output, "OUT.png, .exr, .jpg or .webp, or - for standard output")
+  command
+      .add_option(
+          "-o,--output", to.output,
+          "OUT.png, .exr, .jpg or .webp, of a sequence also .zip or frame_%04d.png; - for standard output")
       ->required();
   command.add_option("--environment", to.environment,
                      "an .hdr or .exr file, or the name of a built-in environment");
@@ -209,6 +228,18 @@ void add_options(CLI::App& command, Arguments& to) {
   command.add_option("--variant", options.variant, "one of the model's sets of materials");
   command.add_option("--animation", options.animation, "one of the model's animations, by name or index");
   command.add_option("--time", options.time_seconds, "of the animation, s; of the first if none is named");
+  command
+      .add_option(
+          "--frames", options.frames,
+          "a sequence of so many pictures of the animation or the turntable; OUT is an animated .webp "
+          "or .png, a .zip, or a name such as frame_%04d.png for single files")
+      ->check(CLI::Range(2, 100'000));
+  command.add_option("--fps", options.frames_per_second, "frames per second of a sequence; 24 if not said")
+      ->check(CLI::Range(0.1, 120.0));
+  command
+      .add_option("--turntable", options.turntable_degrees,
+                  "degrees that the camera goes round over all frames of a sequence")
+      ->check(CLI::Range(-36'000.0, 36'000.0));
   command.add_option("--up-axis", options.up_axis, "of an OBJ, STL or PLY file: y or z")
       ->check(CLI::IsMember({"y", "z"}));
   command.add_option("--shading-model", options.shading_model, "pbr, schlick-beckmann, blinn-phong or phong");

@@ -82,8 +82,27 @@ AnimationClip clip_of(const RenderOptions& options) {
   return clip;
 }
 
-bool animates(const RenderOptions& options) {
+bool describes_sequence(const RenderOptions& options) {
+  return options.frames || options.frames_per_second || options.turntable_degrees;
+}
+
+bool names_clip(const RenderOptions& options) {
   return options.animation || options.time_seconds;
+}
+
+// Frames with nothing that is said to move are those of the model's first animation.
+bool animates(const RenderOptions& options) {
+  return names_clip(options) ||
+         ((describes_sequence(options) || options.container) && !options.turntable_degrees);
+}
+
+void apply_sequence(const RenderOptions& options, Sequence& sequence) {
+  if (options.frames) sequence.frames = options.frames;
+  if (options.frames_per_second) sequence.frames_per_second = *options.frames_per_second;
+  if (options.turntable_degrees) sequence.turntable_rad = glm::radians(*options.turntable_degrees);
+  if (options.container)
+    sequence.container =
+        *options.container == "zip" ? Sequence::Container::kArchive : Sequence::Container::kAnimation;
 }
 
 Members clip_members(const AnimationClip& clip) {
@@ -107,7 +126,7 @@ bool meters(const RenderOptions& options) {
 }  // namespace
 
 std::string request_document(const RenderOptions& options, const std::string& model) {
-  Members scene, environment, orbit, camera, depth_of_field, output, bloom, request;
+  Members scene, environment, orbit, camera, depth_of_field, output, bloom, sequence, request;
   if (!model.empty()) {
     scene.add("model", std::optional(model));
     scene.add("variant", options.variant);
@@ -158,6 +177,13 @@ std::string request_document(const RenderOptions& options, const std::string& mo
     output.add_raw("layers", fmt::format("[{}]", fmt::join(names, ",")));
   }
   output.add("show", options.show);
+  if (!model.empty()) {
+    sequence.add("frames", options.frames);
+    sequence.add("framesPerSecond", options.frames_per_second);
+    sequence.add("turntableDegrees", options.turntable_degrees);
+    sequence.add("container", options.container);
+    output.add_object("sequence", sequence);
+  }
   output.add("quality", options.quality);
   output.add("samples", options.samples);
   request.add_object("scene", scene);
@@ -169,7 +195,8 @@ std::string request_document(const RenderOptions& options, const std::string& mo
 
 void apply_options(const RenderOptions& options, const RenderSpec& said, RenderSpec& spec) {
   if (options.variant) spec.scene.variant = options.variant;
-  if (animates(options)) spec.scene.animations = {clip_of(options)};
+  const bool is_told = !spec.scene.animations.empty() || spec.output.sequence;
+  if (names_clip(options) || (animates(options) && !is_told)) spec.scene.animations = {clip_of(options)};
   if (options.up_axis) spec.scene.up_axis = *options.up_axis == "z" ? UpAxis::kZ : UpAxis::kY;
   if (options.shading_model) spec.scene.shading_model = said.scene.shading_model;
   if (options.environment) spec.environment.map = said.environment.map;
@@ -200,6 +227,10 @@ void apply_options(const RenderOptions& options, const RenderSpec& said, RenderS
   if (options.lossless) spec.output.lossless = said.output.lossless;
   if (options.tone_map) spec.output.tone_map = said.output.tone_map;
   if (!options.layers.empty()) spec.output.layers = said.output.layers;
+  if (describes_sequence(options) || options.container) {
+    if (!spec.output.sequence) spec.output.sequence.emplace();
+    apply_sequence(options, *spec.output.sequence);
+  }
   if (options.show) spec.output.shown = said.output.shown;
   if (options.quality || options.samples) spec.output.samples = said.output.samples;
 }

@@ -30,6 +30,9 @@ struct RenderOptions {
   std::optional<std::string> variant;    // of the model's materials, by name
   std::optional<std::string> animation;  // of the model, by name or index
   std::optional<double> time_seconds;    // of the animation
+  std::optional<int> frames;
+  std::optional<double> frames_per_second, turntable_degrees;
+  std::optional<std::string> container;  // of the frames
   std::optional<std::string> up_axis;    // of a model that is no glTF: y or z
   std::optional<std::string> shading_model;
   bool ground = false;

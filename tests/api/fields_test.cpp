@@ -104,7 +104,8 @@ TEST(Fields, OnlyOptionalThingsHaveNoDefault) {
         leaf.path == "/map:clear-sky/latitudeDegrees" || leaf.path == "/map:clear-sky/longitudeDegrees" ||
         leaf.path.starts_with("/camera/intrinsics/f") || leaf.path.starts_with("/camera/intrinsics/c") ||
         leaf.path == "/camera/intrinsics/width" || leaf.path == "/camera/intrinsics/height" ||
-        leaf.path == "/camera/lookAt/eye" || leaf.path == "/scene/lights/type" ||
+        leaf.path == "/camera/lookAt/eye" || leaf.path == "/camera/lookAt/heightMetres" ||
+        leaf.path == "/output/sequence/frames" || leaf.path == "/scene/lights/type" ||
         leaf.path == "/scene/lights/fluxLumen" || leaf.path == "/scene/lights/profile" ||
         leaf.path == "/scene/lights/rangeMetres" || leaf.path == "/environment/background/map" ||
         leaf.path == "/environment/background/rotationDegrees" ||

@@ -101,7 +101,12 @@ const Schema& request_schema() {
 }
 
 RequestLimits generous_limits() {
-  return {1 << 20, std::int64_t{1} << 40, 1 << 20, std::int64_t{1} << 50, 64, std::int64_t{1} << 24};
+  RequestLimits limits;
+  limits.max_side_px = limits.max_samples = limits.max_frames = 1 << 20;
+  limits.max_area_px = std::int64_t{1} << 40;
+  limits.max_layer_bytes = limits.max_sequence_px = std::int64_t{1} << 50;
+  limits.max_json_bytes = std::int64_t{1} << 24;
+  return limits;
 }
 
 std::string json_text(const Value& value) {

@@ -95,23 +95,25 @@ Row measure(const Subject& subject, int side) {
 
   const double start = wall_ms(), start_cpu = cpu_ms();
   Renderer renderer({}, pool, decode::in_process_decoder());
-  RenderService service(renderer, admission, pool);
+  RenderCache none({0, {}, 0});
+  RenderService service(painter_of(renderer), admission, pool, none);
   const RenderSpec spec = spec_of(subject, files, side);
-  const EncodedImage first = service.render(spec, Deadline());
+  const Rendered first = service.render(spec, Deadline());
   row.cold_ms = wall_ms() - start;
   row.cold_cpu_ms = cpu_ms() - start_cpu;
   row.cold = first.times;
-  row.bytes = first.bytes.size();
+  row.bytes = first.image->bytes.size();
 
   const int renders = subject.samples == 1 ? kWarmRenders : kFewWarmRenders;
   std::vector<double> latencies;
   const double warm_start = wall_ms(), warm_start_cpu = cpu_ms();
   for (int i = 0; i < renders; ++i) {
     const double begin = wall_ms();
-    const EncodedImage image = service.render(spec, Deadline());
+    const Rendered image = service.render(spec, Deadline());
     latencies.push_back(wall_ms() - begin);
     add(row.warm, image.times, 1.0 / renders);
-    if (image.bytes != first.bytes) fail(ErrorCode::kInternal, "a warm picture differs from the cold one");
+    if (image.image->bytes != first.image->bytes)
+      fail(ErrorCode::kInternal, "a warm picture differs from the cold one");
   }
   const double elapsed = wall_ms() - warm_start;
   row.warm_mean_ms = elapsed / renders;

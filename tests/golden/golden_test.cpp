@@ -40,11 +40,11 @@ class Door {
  public:
   explicit Door(const Configuration& configuration)
       : renderer_(config_of(configuration), pool_, decode::in_process_decoder()),
-        service_(renderer_, admission_, pool_) {}
+        service_(painter_of(renderer_), admission_, pool_, none_) {}
 
   std::string render(const std::string& request) {
     const AssetResolver assets(files_, {}, {});
-    return service_.render(api::parse_render_request(request, assets, {}), Deadline()).bytes;
+    return service_.render(api::parse_render_request(request, assets, {}), Deadline()).image->bytes;
   }
 
  private:
@@ -61,6 +61,7 @@ class Door {
   Admission admission_{1, 0};
   FileAssets files_{{}, 0, 0};
   Renderer renderer_;
+  RenderCache none_{{0, {}, 0}};  // each is drawn
   RenderService service_;
 };
 

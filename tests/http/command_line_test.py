@@ -1,8 +1,10 @@
 """The command line of the real program: command_line_test.py FURNACE [unittest arguments]."""
+import io
 import json
 import os
 import subprocess
 import tempfile
+import zipfile
 
 import http_support as support
 from http_support import Case, Server, small
@@ -42,6 +44,54 @@ class CommandLine(Case):
             self.run_furnace("render", "quad.gltf", "-o", "out.exr", "--width", "40", "--height", "30", "--samples", "1", folder=folder)
             with open(os.path.join(folder, "out.exr"), "rb") as file:
                 self.assertEqual(file.read(4), b"\x76\x2f\x31\x01")
+
+    def test_a_turntable_in_every_container(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, content in support.textured_quad().items():
+                with open(os.path.join(folder, name), "wb") as file:
+                    file.write(content)
+
+            def turn(out):
+                self.run_furnace("render", "quad.gltf", "-o", out, "--width", "24", "--height", "16", "--turntable", "360",
+                                 "--frames", "4", "--fps", "10", folder=folder)
+                with open(os.path.join(folder, out.replace("%02d", "01")), "rb") as file:
+                    return file.read()
+
+            webp, apng = turn("out.webp"), turn("out.png")
+            self.assertEqual(webp.count(b"ANMF"), 4)
+            self.assertEqual(apng.count(b"fcTL"), 4)
+            with zipfile.ZipFile(io.BytesIO(turn("out.zip"))) as archive:
+                self.assertIsNone(archive.testzip())
+                names = archive.namelist()
+                frames = [archive.read(name) for name in names]
+            self.assertEqual(names, [f"frame_{i:04}.png" for i in range(1, 5)])
+            self.assertEqual(len(set(frames)), 4)
+            turn("out_%02d.png")
+            for i, frame in enumerate(frames):
+                with open(os.path.join(folder, f"out_{i + 1:02}.png"), "rb") as file:
+                    self.assertEqual(file.read(), frame)
+            # Nothing moves, and no animation has a length.
+            self.run_furnace("render", "quad.gltf", "-o", "out.webp", "--frames", "4", status=1, folder=folder)
+            self.run_furnace("render", "quad.gltf", "-o", "out.webp", "--turntable", "90", status=1, folder=folder)
+
+    def test_a_sheet_of_a_folder(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, content in support.textured_quad().items():
+                with open(os.path.join(folder, name), "wb") as file:
+                    file.write(content)
+            with open(os.path.join(folder, "broken.glb"), "wb") as file:
+                file.write(b"glTF")
+            done = self.run_furnace("sheet", ".", "-o", "sheet.png", "--cell", "32", "--columns", "2", status=1, folder=folder)
+            cells = [json.loads(line) for line in done.stdout.splitlines()]
+            self.assertEqual([os.path.basename(cell["model"]) for cell in cells], ["broken.glb", "quad.gltf"])
+            self.assertIn("error", cells[0])
+            self.assertEqual((cells[1]["row"], cells[1]["column"]), (0, 1))
+            with open(os.path.join(folder, "sheet.png"), "rb") as file:
+                width, height, channels, pixels = support.read_png(file.read())
+            self.assertEqual((width, height, channels), (64, 32, 3))
+            self.assertEqual(pixels[0], (0, 0, 0))
+            self.assertGreater(max(pixels[16 * 64 + 48]), 0)
+            self.run_furnace("sheet", "absent", "-o", "sheet.png", status=1, folder=folder)
 
     def test_inspect_a_model(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -19,6 +19,9 @@ class FakePainter {
 
   Painter painter(std::string fingerprint = "fake/1") {
     return {[this](const RenderSpec& spec, const Deadline& deadline) { return draw(spec, deadline); },
+            [](const RenderSpec&, const Deadline&) {
+              return SceneOutline{{{glm::vec3(-1), glm::vec3(1)}, {{0, 0}, {1, 0}}, {{0, 0}, {1, 0}}}, 1};
+            },
             std::move(fingerprint)};
   }
 

@@ -5,6 +5,7 @@
 #include "renderer/assets/asset_resolver.hpp"
 #include "renderer/base/error.hpp"
 #include "api/render_request.hpp"
+#include "server/commands/frame_files.hpp"
 
 namespace furnace {
 namespace {
@@ -63,6 +64,30 @@ TEST(RenderOptions, AVariantIsOfAModel) {
   RenderSpec spec;
   apply_options(options, parsed("{}"), spec);
   EXPECT_EQ(spec.scene.variant, "midnight");
+}
+
+TEST(RenderOptions, ASequenceOfAModel) {
+  RenderOptions options;
+  options.frames = 5;
+  options.frames_per_second = 12.5;
+  EXPECT_EQ(
+      request_document(options, "file:a.glb"),
+      R"({"scene":{"model":"file:a.glb","animation":{"index":0,"timeSeconds":0}},"output":{"sequence":{"frames":5,"framesPerSecond":12.5}}})");
+  options.turntable_degrees = 180;
+  options.container = "zip";
+  EXPECT_EQ(
+      request_document(options, "file:a.glb"),
+      R"({"scene":{"model":"file:a.glb"},"output":{"sequence":{"frames":5,"framesPerSecond":12.5,"turntableDegrees":180,"container":"zip"}}})");
+  RenderSpec spec;
+  spec.output.sequence = Sequence{};
+  spec.output.sequence->loops = 3;
+  apply_options(options, parsed(request_document(options, "")), spec);
+  EXPECT_EQ(spec.output.sequence->frames, 5);
+  EXPECT_EQ(spec.output.sequence->frames_per_second, 12.5);
+  EXPECT_NEAR(spec.output.sequence->turntable_rad, 3.14159265358979, 1e-12);
+  EXPECT_EQ(spec.output.sequence->container, Sequence::Container::kArchive);
+  EXPECT_EQ(spec.output.sequence->loops, 3);
+  EXPECT_TRUE(spec.scene.animations.empty());
 }
 
 TEST(RenderOptions, AnAxisIsOfAModel) {
@@ -168,6 +193,15 @@ TEST(RenderOptions, AColourThatIsNone) {
     options.background = background;
     EXPECT_THROW(request_document(options, ""), Error) << background;
   }
+}
+
+TEST(FrameFiles, OnePlaceForTheNumber) {
+  EXPECT_EQ(FrameFiles::parse("a/frame_%04d.png")->name_of(0), "a/frame_0001.png");
+  EXPECT_EQ(FrameFiles::parse("f%d.exr")->name_of(11), "f12.exr");
+  EXPECT_EQ(FrameFiles::parse("##.webp")->name_of(122), "123.webp");
+  EXPECT_EQ(FrameFiles::parse("100%_{}_###.png")->name_of(6), "100%_{}_007.png");
+  for (const char* name : {"out.png", "100%.png", "a#b#.png", "%s.png", "%99999999999d.png", ""})
+    EXPECT_FALSE(FrameFiles::parse(name)) << name;
 }
 
 }  // namespace

@@ -66,7 +66,8 @@ class RoutesTest : public ::testing::Test {
   testing::FakePainter fake_;
   WorkerPool pool_{1};
   Admission admission_{1, 0};
-  RenderService service_{fake_.painter(), admission_, pool_};
+  RenderCache renders_{{1 << 20, {}, 0}};
+  RenderService service_{fake_.painter(), admission_, pool_, renders_};
   FileAssets files_{{}, 0, 1 << 20};
   Metrics metrics_{"test"};
   bool probe_is_right_ = true;
@@ -77,10 +78,8 @@ class RoutesTest : public ::testing::Test {
       pool_,
       decode::in_process_decoder(),
       {}};
-  ReportStore reports_{1 << 20};
-  const Doors doors_{
-      service_, admission_, files_, decode::in_process_decoder(), environments_, reports_, readiness_,
-      metrics_, {},         4};
+  const Doors doors_{service_, admission_, files_, decode::in_process_decoder(), environments_, readiness_,
+                     metrics_, {},         4};
   const Dispatcher dispatcher_{public_routes(doors_, true), metrics_};
 };
 
@@ -137,6 +136,20 @@ TEST_F(RoutesTest, AFormatInTheDocumentWinsUnlessAcceptExcludesIt) {
   expect_problem(post(exr, {{"Accept", "image/png"}}), 406);
   expect_problem(post(kSmall, {{"Accept", "text/html"}}), 406);
   expect_problem(post(R"({"output":{"format":"png"}})", {{"Accept", "image/x-exr"}}), 406);
+}
+
+TEST_F(RoutesTest, ASequenceIsOfItsContainersType) {
+  const std::string turn =
+      R"({"output":{"width":8,"height":8,"sequence":{"frames":2,"turntableDegrees":90}}})";
+  EXPECT_EQ(post(turn).media_type, "image/apng");
+  EXPECT_EQ(post(turn, {{"Accept", "image/png"}}).media_type, "image/apng") << "which is a PNG";
+  EXPECT_EQ(post(turn, {{"Accept", "image/apng"}}).media_type, "image/apng");
+  EXPECT_EQ(post(turn, {{"Accept", "image/webp"}}).media_type, "image/webp");
+  expect_problem(post(turn, {{"Accept", "image/jpeg"}}), 422);
+  const std::string files =
+      R"({"output":{"width":8,"height":8,"sequence":{"frames":2,"turntableDegrees":90,"container":"zip"}}})";
+  EXPECT_EQ(post(files, {{"Accept", "application/zip"}}).media_type, "application/zip");
+  expect_problem(post(files, {{"Accept", "image/png"}}), 406);
 }
 
 TEST_F(RoutesTest, BrokenRequestsAreProblems) {
@@ -198,22 +211,24 @@ TEST_F(RoutesTest, APictureLinksToItsReport) {
   expect_problem(get("/v1/reports/"), 404);
 }
 
-TEST(ReportStore, KeepsTheLastWithinItsBudget) {
-  ReportStore store(3000);
-  store.put("a", std::string(1000, 'a'));
-  store.put("b", std::string(1000, 'b'));
-  EXPECT_TRUE(store.find("a"));
-  store.put("c", std::string(1000, 'c'));  // "b" was asked for least recently
-  EXPECT_FALSE(store.find("b"));
-  EXPECT_EQ(store.find("a"), std::string(1000, 'a'));
-  store.put("a", "new");
-  EXPECT_EQ(store.find("a"), "new");
-  store.put("c", std::string(9000, 'c'));
-  EXPECT_FALSE(store.find("c"));
-  EXPECT_TRUE(store.find("a")) << "what does not fit drives nothing out";
-  ReportStore none(0);
-  none.put("a", "a");
-  EXPECT_FALSE(none.find("a"));
+TEST_F(RoutesTest, EqualRequestsAreDrawnOnceAndStandUnderTheirTag) {
+  const Reply drawn = post(kSmall), again = post(kSmall);
+  EXPECT_EQ(fake_.drawn, 1);
+  EXPECT_EQ(header(drawn, "Cache-Status"), "furnace; fwd=miss; stored");
+  EXPECT_EQ(header(again, "Cache-Status"), "furnace; hit; detail=memory");
+  EXPECT_EQ(header(again, "Server-Timing"), "(none)");
+  EXPECT_EQ(again.body, drawn.body);
+  const std::string path = header(drawn, "Content-Location"), etag = header(drawn, "ETag");
+  EXPECT_EQ(path, "/v1/renders/" + etag.substr(1, 64));
+  const Reply kept = get(path);
+  EXPECT_EQ(kept.status, 200);
+  EXPECT_EQ(kept.media_type, "image/png");
+  EXPECT_EQ(kept.body, drawn.body);
+  EXPECT_EQ(header(kept, "ETag"), etag);
+  EXPECT_EQ(header(kept, "Cache-Control"), "public, max-age=31536000, immutable");
+  expect_problem(get("/v1/renders/" + std::string(64, '0')), 404);
+  expect_problem(get("/v1/renders/" + std::string(63, '0') + "G"), 404);
+  expect_problem(get("/v1/renders/"), 404);
 }
 
 // A triangle without normals, its buffer in the document.
