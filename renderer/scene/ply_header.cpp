@@ -156,9 +156,8 @@ PlyHeader HeaderReader::read() {
       read_element(line);
     } else if (word == "property") {
       read_property(line);
-    } else if (!word.empty() && word != "obj_info") {
-      fail_line(fmt::format("\"{}\" is no statement of a header", ply_name(word)));
     }
+    // obj_info, and what else there is: old versions of Blender wrote a comment without its keyword.
   }
   if (!has_format_) fail_ply("its header says no format");
   header_.body = at_;
