@@ -22,8 +22,8 @@ class InProcessDecoder : public Decoder {
     return decode_meshopt(bytes, layout);
   }
   PlainModel model(std::span<const std::byte> document, std::string_view materials, ModelFormat format,
-                   const PlainModelLimits& limits, const Deadline&) override {
-    return decode_model(document, materials, format, limits);
+                   const PlainModelLimits& limits, const Deadline& deadline) override {
+    return decode_model(document, materials, format, limits, deadline);
   }
 };
 

@@ -70,7 +70,7 @@ PlainModel ModelJob::run(Bytes file) const {
 }
 
 std::int64_t ModelJob::largest_result_bytes() const {
-  // Names have less than a KiB each: assimp's strings hold no more.
+  // Names have less than a KiB each: assimp's strings hold no more, and the reader of PLY takes none that is longer.
   constexpr std::int64_t kTextBytes = (2 + kPlainTextures) * 1024;
   constexpr auto kNamedBytes = std::int64_t(kTextBytes + sizeof(PlainMaterial) + sizeof(PlainPart));
   return limits.max_bytes + limits.max_materials * kNamedBytes;

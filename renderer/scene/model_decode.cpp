@@ -21,25 +21,13 @@
 #include <fmt/format.h>
 
 #include "renderer/base/error.hpp"
-#include "renderer/scene/model_surface.hpp"
+#include "renderer/scene/model_builder.hpp"
+#include "renderer/scene/ply_decode.hpp"
 
 namespace furnace {
 namespace {
 
 using Bytes = std::span<const std::byte>;
-
-[[noreturn]] void fail_too_many(std::int64_t most, std::string_view what) {
-  fail(ErrorCode::kTooLarge, fmt::format("the model has more than {} {}", most, what));
-}
-
-// What a library says of a file may quote it.
-std::string printable(std::string_view text) {
-  constexpr std::size_t kLongest = 200;
-  std::string out(text.substr(0, kLongest));
-  for (char& c : out)
-    if (c < ' ' || c > '~') c = '?';
-  return out;
-}
 
 // Files of a model that is in memory: the document, and all MTL files as one under whichever name is asked for first.
 // Threads: one. Owns: nothing.
@@ -66,130 +54,10 @@ class MemoryFiles : public Assimp::IOSystem {
   Bytes document_, materials_;
 };
 
-// A header that announces more than the file can hold would be believed by the library.
-void check_ply_counts(std::string_view ply) {
-  constexpr std::string_view kElement = "\nelement ", kEnd = "end_header";
-  const std::string_view head = ply.substr(0, ply.find(kEnd));
-  std::uint64_t announced = 0;
-  for (std::size_t at = head.find(kElement); at != head.npos; at = head.find(kElement, at + 1)) {
-    std::string_view line = head.substr(at + kElement.size());
-    line = line.substr(0, line.find_first_of("\r\n"));
-    while (line.ends_with(' ')) line.remove_suffix(1);
-    const std::string_view number = line.substr(line.find_last_of(' ') + 1);
-    std::uint64_t count = 0;
-    const auto [end, fault] = std::from_chars(number.data(), number.data() + number.size(), count);
-    // An element takes a byte at least.
-    if (fault != std::errc{} || end != number.data() + number.size() || count > ply.size())
-      fail(ErrorCode::kUnprocessable, "announces more elements than the file has bytes");
-    announced += count;
-  }
-  if (announced > ply.size())
-    fail(ErrorCode::kUnprocessable, "announces more elements than the file has bytes");
-}
-
-// Threads: one. Owns: the model it builds.
-class Builder {
- public:
-  explicit Builder(const PlainModelLimits& limits) : limits_(limits) {}
-
-  TextRange add_text(std::string_view text) {
-    const TextRange range{std::uint32_t(model_.text.size()), std::uint32_t(text.size())};
-    model_.text.insert(model_.text.end(), text.begin(), text.end());
-    return range;
-  }
-  void add_material(const PlainMaterial& material) { model_.materials.push_back(material); }
-  // Welds it, gives it normals, appends it. `flat`: it is shaded by its triangles.
-  void add_part(Mesh mesh, std::uint32_t material, bool flat);
-  PlainModel take();
-
- private:
-  template <class Value>
-  void append(std::vector<Value>& to, const std::vector<Value>& values, std::size_t first);
-
-  PlainModelLimits limits_;
-  PlainModel model_;
-  std::int64_t elements_ = 0;
-};
-
-bool is_direction(const glm::vec3& v) {
-  constexpr float kLeast = 1e-6f;
-  const float length = glm::length(v);
-  return std::isfinite(length) && length > kLeast;
-}
-
-void drop_what_is_broken(Mesh& mesh) {
-  if (!std::ranges::all_of(mesh.normals, is_direction)) mesh.normals.clear();
-  for (glm::vec3& normal : mesh.normals) normal = glm::vec3(glm::normalize(glm::dvec3(normal)));
-  for (glm::vec2& uv : mesh.uvs[0])
-    if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = {0, 0};
-  for (glm::vec4& color : mesh.colors)
-    for (int i = 0; i < 4; ++i) color[i] = color[i] > 0 ? std::min(color[i], 1.0f) : 0.0f;
-  for (const std::uint32_t index : mesh.indices) {
-    const glm::vec3& p = mesh.positions[index];
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-      fail(ErrorCode::kUnprocessable, "has a position that is not finite");
-  }
-}
-
-template <class Value>
-void Builder::append(std::vector<Value>& to, const std::vector<Value>& values, std::size_t first) {
-  if (values.empty() && to.empty()) return;
-  to.resize(first);  // parts before it without the attribute
-  to.insert(to.end(), values.begin(), values.end());
-  to.resize(model_.positions.size());
-}
-
-void Builder::add_part(Mesh mesh, std::uint32_t material, bool flat) {
-  if (mesh.indices.empty()) return;
-  if (std::int64_t(model_.parts.size()) >= limits_.max_materials)
-    fail_too_many(limits_.max_materials, "parts");
-  const auto corners = std::size_t(mesh.topology) + 1;
-  elements_ += std::int64_t(mesh.indices.size() / corners);
-  if (elements_ > limits_.max_elements) fail_too_many(limits_.max_elements, "points, lines and triangles");
-  drop_what_is_broken(mesh);
-  if (flat) mesh.normals.clear();
-  const bool makes_normals = mesh.topology == Topology::kTriangles && !flat && mesh.normals.empty();
-  if (makes_normals) {
-    generate_smooth_normals(mesh);
-  } else {
-    weld_vertices(mesh);
-  }
-
-  const std::size_t first = model_.positions.size();
-  if (std::int64_t(first + mesh.positions.size()) > limits_.max_vertices)
-    fail_too_many(limits_.max_vertices, "vertices");
-  constexpr std::int64_t kVertexBytes = 2 * sizeof(glm::vec3) + sizeof(glm::vec2) + sizeof(glm::vec4);
-  const auto indices = std::int64_t(model_.indices.size() + mesh.indices.size());
-  if (std::int64_t(first + mesh.positions.size()) * kVertexBytes + indices * 4 > limits_.max_bytes)
-    fail_too_many(limits_.max_bytes, "bytes of geometry");
-  PlainPart part;
-  part.name = add_text(mesh.name);
-  part.topology = std::uint32_t(mesh.topology);
-  part.material = material;
-  part.has_normals = mesh.normals.empty() ? 0 : 1;
-  part.has_uvs = mesh.uvs[0].empty() ? 0 : 1;
-  part.has_colors = mesh.colors.empty() ? 0 : 1;
-  part.vertices = std::uint32_t(mesh.positions.size());
-  part.indices = std::uint32_t(mesh.indices.size());
-  part.made_normals = makes_normals ? 1 : 0;
-  model_.parts.push_back(part);
-  model_.positions.insert(model_.positions.end(), mesh.positions.begin(), mesh.positions.end());
-  append(model_.normals, mesh.normals, first);
-  append(model_.uvs, mesh.uvs[0], first);
-  append(model_.colors, mesh.colors, first);
-  model_.indices.insert(model_.indices.end(), mesh.indices.begin(), mesh.indices.end());
-}
-
-PlainModel Builder::take() {
-  if (model_.parts.empty())
-    fail(ErrorCode::kUnprocessable, "the model has nothing to draw: no points, lines or triangles");
-  return std::move(model_);
-}
-
 // Binary STL is fifty bytes a facet: read here, since the library takes the two conventions of colour for one. VisCAM: bit
 // 15 says that the facet has a colour, red in the upper bits. Magics, told by "COLOR=" in the head: bit 15 says that it has
 // that of the head, else its own, red in the lower bits. Normals are left out: the corners say what is true.
-void add_binary_stl(Bytes document, std::uint32_t facets, Builder& builder) {
+void add_binary_stl(Bytes document, std::uint32_t facets, ModelBuilder& builder) {
   constexpr std::size_t kHead = 84, kFacet = 50, kComment = 80, kLevels = 31;
   constexpr std::string_view kColor = "COLOR=";
   const std::string_view head(reinterpret_cast<const char*>(document.data()), kComment);
@@ -242,7 +110,7 @@ float take_number(std::string_view& text) {
 }
 
 // Read here, too: the library does not come back from one that is cut off. Only its corners count.
-void add_text_stl(std::string_view text, Builder& builder) {
+void add_text_stl(std::string_view text, ModelBuilder& builder) {
   Mesh mesh;
   while (!text.empty()) {
     const std::string_view word = take_word(text);
@@ -301,9 +169,6 @@ Mesh mesh_of(const aiMesh& from, Topology topology) {
     const bool degenerate = (corners > 1 && i[0] == i[1]) || (corners > 2 && (i[1] == i[2] || i[0] == i[2]));
     if (!degenerate) mesh.indices.insert(mesh.indices.end(), i, i + corners);
   }
-  // A cloud has vertices only.
-  if (topology == Topology::kPoints && from.mNumFaces == 0)
-    for (std::uint32_t i = 0; i < from.mNumVertices; ++i) mesh.indices.push_back(i);
   if (mesh.indices.empty()) return mesh;
 
   for (unsigned i = 0; i < from.mNumVertices; ++i) mesh.positions.push_back(vector_of(from.mVertices[i]));
@@ -336,7 +201,7 @@ glm::vec3 color_of(const aiMaterial& from, const char* key, float high, const gl
 
 constexpr float kMostEmission = 1e6f, kMostExponent = 1e6f;
 
-void add_textures(const aiMaterial& from, Builder& builder, PlainMaterial& to) {
+void add_textures(const aiMaterial& from, ModelBuilder& builder, PlainMaterial& to) {
   static constexpr std::array<std::pair<aiTextureType, PlainTexture>, 13> kUses = {{
       {aiTextureType_DIFFUSE, PlainTexture::kBaseColor},
       {aiTextureType_EMISSIVE, PlainTexture::kEmissive},
@@ -363,17 +228,8 @@ void add_textures(const aiMaterial& from, Builder& builder, PlainMaterial& to) {
     to.clamps = 1;
 }
 
-// What is drawn that has no material of its own: a grey plastic.
-PlainMaterial plain_material(Builder& builder) {
-  PlainMaterial material;
-  material.name = builder.add_text("default");
-  material.metallic = 0;
-  material.perceptual_roughness = 0.5f;
-  return material;
-}
-
-void add_material(const aiMaterial& from, bool stated, Builder& builder) {
-  PlainMaterial to = plain_material(builder);
+void add_material(const aiMaterial& from, bool stated, ModelBuilder& builder) {
+  PlainMaterial to = builder.plain_material();
   if (stated) {
     aiString name;
     if (from.Get(AI_MATKEY_NAME, name) == AI_SUCCESS) to.name = builder.add_text({name.C_Str(), name.length});
@@ -390,59 +246,66 @@ void add_material(const aiMaterial& from, bool stated, Builder& builder) {
   builder.add_material(to);
 }
 
-void add_scene(const aiScene& scene, ModelFormat format, Builder& builder) {
+void add_scene(const aiScene& scene, ModelBuilder& builder) {
   for (unsigned i = 0; i < scene.mNumMaterials; ++i) {
     aiString name;
     scene.mMaterials[i]->Get(AI_MATKEY_NAME, name);
-    const bool stated =
-        format == ModelFormat::kObj && std::string_view(name.C_Str()) != AI_DEFAULT_MATERIAL_NAME;
+    const bool stated = std::string_view(name.C_Str()) != AI_DEFAULT_MATERIAL_NAME;
     add_material(*scene.mMaterials[i], stated, builder);
   }
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
     const aiMesh& mesh = *scene.mMeshes[m];
     for (const Topology topology : {Topology::kTriangles, Topology::kLines, Topology::kPoints})
-      builder.add_part(mesh_of(mesh, topology), mesh.mMaterialIndex, format == ModelFormat::kStl);
+      builder.add_part(mesh_of(mesh, topology), mesh.mMaterialIndex, false);
   }
 }
 
-[[noreturn]] void fail_unreadable(ModelFormat format, std::string_view why) {
-  fail(ErrorCode::kUnprocessable,
-       fmt::format("is not a readable {} file: {}", model_format_name(format), printable(why)));
+void add_obj(Bytes document, std::string_view materials, ModelBuilder& builder) {
+  const std::string name = "model.obj";  // by whose ending the library takes its reader
+  try {
+    Assimp::Importer importer;
+    importer.SetIOHandler(new MemoryFiles(name, document, std::as_bytes(std::span(materials))));  // owns it
+    const aiScene* scene = importer.ReadFile(name, 0);
+    if (scene == nullptr) fail_unreadable(ModelFormat::kObj, importer.GetErrorString());
+    check_faces(*scene, builder.limits());
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+    if (scene == nullptr) fail_unreadable(ModelFormat::kObj, importer.GetErrorString());
+    check_faces(*scene, builder.limits());
+    add_scene(*scene, builder);
+  } catch (const std::exception& error) {
+    fail_unreadable(ModelFormat::kObj, error.what());
+  }
+}
+
+void add_stl(Bytes document, ModelBuilder& builder) {
+  const auto facets = binary_stl_facets(document);
+  if (facets && *facets > builder.limits().max_elements)
+    fail_too_many(builder.limits().max_elements, "triangles");
+  builder.add_material(builder.plain_material());
+  if (facets) {
+    add_binary_stl(document, *facets, builder);
+  } else {
+    add_text_stl({reinterpret_cast<const char*>(document.data()), document.size()}, builder);
+  }
 }
 
 }  // namespace
 
 PlainModel decode_model(Bytes document, std::string_view materials, ModelFormat format,
-                        const PlainModelLimits& limits) {
-  Builder builder(limits);
-  const std::string_view text(reinterpret_cast<const char*>(document.data()), document.size());
-  if (format == ModelFormat::kStl) {
-    const auto facets = binary_stl_facets(document);
-    if (facets && *facets > limits.max_elements) fail_too_many(limits.max_elements, "triangles");
-    builder.add_material(plain_material(builder));
-    if (facets) {
-      add_binary_stl(document, *facets, builder);
-    } else {
-      add_text_stl(text, builder);
-    }
-    return builder.take();
-  }
-  if (format == ModelFormat::kPly) check_ply_counts(text);
-
-  static constexpr std::array<std::string_view, 4> kNames = {"", "model.obj", "", "model.ply"};
-  const std::string name(kNames.at(std::size_t(format)));
-  try {
-    Assimp::Importer importer;
-    importer.SetIOHandler(new MemoryFiles(name, document, std::as_bytes(std::span(materials))));  // owns it
-    const aiScene* scene = importer.ReadFile(name, 0);
-    if (scene == nullptr) fail_unreadable(format, importer.GetErrorString());
-    check_faces(*scene, limits);
-    scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-    if (scene == nullptr) fail_unreadable(format, importer.GetErrorString());
-    check_faces(*scene, limits);
-    add_scene(*scene, format, builder);
-  } catch (const std::exception& error) {
-    fail_unreadable(format, error.what());
+                        const PlainModelLimits& limits, const Deadline& deadline) {
+  ModelBuilder builder(limits);
+  switch (format) {
+    case ModelFormat::kGltf:
+      fail_unreadable(format, "it is read elsewhere");
+    case ModelFormat::kObj:
+      add_obj(document, materials, builder);
+      break;
+    case ModelFormat::kStl:
+      add_stl(document, builder);
+      break;
+    case ModelFormat::kPly:
+      add_ply(document, builder, deadline);
+      break;
   }
   return builder.take();
 }

@@ -10,6 +10,7 @@
 
 #include <glm/glm.hpp>
 
+#include "renderer/base/deadline.hpp"
 #include "renderer/scene/model_format.hpp"
 
 namespace furnace {
@@ -72,9 +73,10 @@ struct PlainModel {
 
 // Reads a file of another format than glTF. `materials` is the text of its MTL files, one behind the other. Polygons
 // become triangles, vertices are welded; triangles without normals get smooth ones, but for STL, which stays flat.
-// Errors: kUnprocessable for what cannot be read or draws nothing; kTooLarge for a limit. Threads: any.
+// The deadline is looked at while a PLY is read; the other formats know none.
+// Errors: kUnprocessable for what cannot be read or draws nothing; kTooLarge for a limit; kDeadlineExceeded. Threads: any.
 PlainModel decode_model(std::span<const std::byte> document, std::string_view materials, ModelFormat format,
-                        const PlainModelLimits& limits);
+                        const PlainModelLimits& limits, const Deadline& deadline = {});
 
 // Whether every range, index and number is as said above. A model that is not was made by nobody who read a file.
 bool is_sound(const PlainModel& model, const PlainModelLimits& limits);
