@@ -1,9 +1,9 @@
 #include "server/routes.hpp"
 
 #include <algorithm>
-#include <ranges>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -38,7 +38,8 @@ OutputFormat preferred_format(std::string_view accept) {
   const auto quality = [&](const api::FormatRow& row) { return accept_quality(accept, row.media_type); };
   const auto best = std::ranges::max_element(api::kFormats, {}, quality);
   if (quality(*best) <= 0) {
-    const auto types = api::kFormats | std::views::transform(&api::FormatRow::media_type);
+    std::vector<std::string_view> types;
+    for (const api::FormatRow& row : api::kFormats) types.push_back(row.media_type);
     fail(ErrorCode::kNotAcceptable, fmt::format("A render is one of {}.", fmt::join(types, ", ")));
   }
   return best->format;
@@ -78,11 +79,11 @@ std::vector<api::RenderReport::Stage> stages_of(const StageTimes& times) {
 }
 
 std::string server_timing(const std::vector<api::RenderReport::Stage>& stages) {
-  const auto text = [](const api::RenderReport::Stage& stage) {
-    return fmt::format("{}{}{};dur={:.2f}", stage.name, stage.cache.empty() ? "" : ";desc=", stage.cache,
-                       stage.ms);
-  };
-  return fmt::format("{}", fmt::join(stages | std::views::transform(text), ", "));
+  std::vector<std::string> texts;
+  for (const api::RenderReport::Stage& stage : stages)
+    texts.push_back(fmt::format("{}{}{};dur={:.2f}", stage.name,
+                                stage.cache.empty() ? "" : ";desc=", stage.cache, stage.ms));
+  return fmt::format("{}", fmt::join(texts, ", "));
 }
 
 api::RenderReport report_of(const RenderSpec& spec, const EncodedImage& image, const Doors& doors,
