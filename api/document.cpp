@@ -59,7 +59,7 @@ class Builder final : public nlohmann::json_sax<Json> {
     const bool integral = std::abs(value) < kExact && std::trunc(value) == value;
     return (integral ? put(static_cast<std::int64_t>(value)) : put(value)) != nullptr;
   }
-  bool string(string_t& value) override { return put(std::move(value)) != nullptr; }
+  bool string(string_t& value) override { return has_no_null(value) && put(std::move(value)) != nullptr; }
   bool binary(binary_t&) override { return refuse("binary values are not JSON"); }
   bool start_object(std::size_t) override { return open(Json::object()); }
   bool start_array(std::size_t) override { return open(Json::array()); }
@@ -70,6 +70,7 @@ class Builder final : public nlohmann::json_sax<Json> {
     if (key.size() > static_cast<std::size_t>(limits_.max_key_bytes))
       return refuse(
           fmt::format("a key has {} bytes, at most {} are read", key.size(), limits_.max_key_bytes));
+    if (!has_no_null(key)) return false;
     Frame& frame = frames_.back();
     frame.key = std::move(key);
     if (frame.container->contains(*frame.key)) return refuse("is there twice; leave one of the two out");
@@ -121,6 +122,11 @@ class Builder final : public nlohmann::json_sax<Json> {
     frames_.pop_back();
     if (!frames_.empty()) frames_.back().key.reset();
     return true;
+  }
+
+  // The judge counts characters up to the first U+0000.
+  bool has_no_null(const std::string& text) {
+    return text.find('\0') == text.npos || refuse("has the character U+0000, which no text may have");
   }
 
   bool refuse(std::string message) {

@@ -55,7 +55,7 @@ bool operator==(const Value& a, const Value& b);  // equal JSON, wherever they s
 class Document {
  public:
   // Errors: kTooLarge for bytes; kInvalidRequest with a pointer for broken syntax or UTF-8, duplicate keys,
-  // numbers beyond double, too deep.
+  // numbers beyond double, U+0000 in texts, too deep.
   static Document parse(std::string_view text, const JsonLimits& limits);
 
   Value root() const;

@@ -239,7 +239,7 @@ void HttpServer::State::install_hooks() {
            out);
     return HandlerResponse::Handled;
   }));
-  set_post_routing_handler([this](const httplib::Request&, httplib::Response& out) {
+  set_post_routing_handler([](const httplib::Request&, httplib::Response& out) {
     out.headers.erase("Accept-Ranges");
     if (out.status == 304)
       out.headers.erase("Content-Length");  // the picture's is not known (RFC 9110 section 15.4.5)

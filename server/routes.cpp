@@ -1,9 +1,9 @@
 #include "server/routes.hpp"
 
 #include <algorithm>
-#include <ranges>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -65,18 +65,19 @@ RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Do
   if (std::string pointer = choice_of_file(body.document, can.request); !pointer.empty())
     fail(ErrorCode::kNotAcceptable, fmt::format("This asks for {}, which Accept refuses.", media_type),
          std::move(pointer));
-  const auto types = api::kFormats | std::views::transform(&api::FormatRow::media_type);
+  std::vector<std::string_view> types;
+  for (const api::FormatRow& row : api::kFormats) types.push_back(row.media_type);
   fail(ErrorCode::kNotAcceptable, spec.output.sequence
                                       ? fmt::format("This sequence is {}, which Accept refuses.", media_type)
                                       : fmt::format("A render is one of {}.", fmt::join(types, ", ")));
 }
 
 std::string server_timing(const std::vector<api::RenderReport::Stage>& stages) {
-  const auto text = [](const api::RenderReport::Stage& stage) {
-    return fmt::format("{}{}{};dur={:.2f}", stage.name, stage.cache.empty() ? "" : ";desc=", stage.cache,
-                       stage.ms);
-  };
-  return fmt::format("{}", fmt::join(stages | std::views::transform(text), ", "));
+  std::vector<std::string> texts;
+  for (const api::RenderReport::Stage& stage : stages)
+    texts.push_back(fmt::format("{}{}{};dur={:.2f}", stage.name,
+                                stage.cache.empty() ? "" : ";desc=", stage.cache, stage.ms));
+  return fmt::format("{}", fmt::join(texts, ", "));
 }
 
 // A structured field (RFC 8941): how many notes, and their codes, each once.

@@ -21,7 +21,7 @@ namespace furnace::decode {
 namespace {
 
 // The sanitizers' own memory is terabytes of address space.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef FURNACE_SANITIZED
 constexpr bool kSanitized = true;
 #else
 constexpr bool kSanitized = false;
@@ -110,15 +110,15 @@ void allow_memory(Filter& filter) {
 std::string filter_calls(int socket) {
   Filter filter;
   allow_memory(filter);
-  const scmp_arg_cmp to_parent = SCMP_A0(SCMP_CMP_EQ, scmp_datum_t(socket));
+  const scmp_arg_cmp to_parent = SCMP_A0(SCMP_CMP_EQ, scmp_datum_t(socket), 0);
   filter.allow_if(SCMP_SYS(recvmsg), {to_parent});
   filter.allow_if(SCMP_SYS(sendmsg), {to_parent});
   filter.allow({SCMP_SYS(close), SCMP_SYS(futex), SCMP_SYS(clock_gettime), SCMP_SYS(gettimeofday),
                 SCMP_SYS(getrandom), SCMP_SYS(getpid), SCMP_SYS(gettid), SCMP_SYS(rt_sigprocmask),
                 SCMP_SYS(rt_sigreturn), SCMP_SYS(restart_syscall), SCMP_SYS(exit), SCMP_SYS(exit_group)});
   // abort() says what failed and signals itself.
-  filter.allow_if(SCMP_SYS(write), {SCMP_A0(SCMP_CMP_EQ, STDERR_FILENO)});
-  filter.allow_if(SCMP_SYS(tgkill), {SCMP_A0(SCMP_CMP_EQ, scmp_datum_t(::getpid()))});
+  filter.allow_if(SCMP_SYS(write), {SCMP_A0(SCMP_CMP_EQ, STDERR_FILENO, 0)});
+  filter.allow_if(SCMP_SYS(tgkill), {SCMP_A0(SCMP_CMP_EQ, scmp_datum_t(::getpid()), 0)});
   if (kSanitized) filter.allow({SCMP_SYS(sigaltstack), SCMP_SYS(sched_yield), SCMP_SYS(getrusage)});
   return filter.load();
 }

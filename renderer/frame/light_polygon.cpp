@@ -27,10 +27,10 @@ LightPolygon cut(const LightPolygon& polygon, int axis, double limit, double sig
 // What lies between the shares `from` and `to` of the area, counted along an axis.
 LightPolygon slice(const LightPolygon& polygon, int axis, double from, double to) {
   const double whole = area(polygon);
-  const auto [least, most] = std::minmax_element(polygon.begin(), polygon.end(),
-                                                 [&](auto& a, auto& b) { return a[axis] < b[axis]; });
+  const auto ends = std::minmax_element(polygon.begin(), polygon.end(),
+                                        [&](auto& a, auto& b) { return a[axis] < b[axis]; });
   const auto place = [&](double share) {
-    double low = (*least)[axis], high = (*most)[axis];
+    double low = (*ends.first)[axis], high = (*ends.second)[axis];
     for (int step = 0; step < 50; ++step) {
       const double middle = (low + high) / 2;
       (area(cut(polygon, axis, middle, -1)) < share * whole ? low : high) = middle;

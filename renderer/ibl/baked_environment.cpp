@@ -28,7 +28,7 @@ double horizontal_illuminance_lux(const BakedEnvironment& baked) {
 }
 
 std::array<float, 3> sample_equirect(const Image& image, double x, double y, double z) {
-  const auto [width, height] = image.extent;
+  const int width = image.extent.width, height = image.extent.height;
   const double theta = std::atan2(std::hypot(x, z), y);
   const double phi = std::atan2(z, x);
   const double column = (phi / (2 * std::numbers::pi) + 0.5) * width - 0.5;

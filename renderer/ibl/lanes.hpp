@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <span>
+#include <utility>
 
 namespace furnace {
 
@@ -43,26 +44,28 @@ struct alignas(32) StoredLanes {
 
 namespace detail {
 
-typedef long long LaneIndices __attribute__((vector_size(64)));
+// Lanes of `a` whose number has the bit `kDistance` <-> those of `b` without it.
+template <int kDistance, int... kLane>
+[[gnu::always_inline]] inline void exchange(Lanes& a, Lanes& b, std::integer_sequence<int, kLane...>) {
+  const Lanes::Vector x = a.v, y = b.v;
+  a.v = __builtin_shufflevector(x, y, (kLane & kDistance ? 8 + kLane - kDistance : kLane)...);
+  b.v = __builtin_shufflevector(x, y, (kLane & kDistance ? 8 + kLane : kLane + kDistance)...);
+}
+
+template <int kDistance>
+[[gnu::always_inline]] inline void exchange_pairs(Lanes (&block)[8]) {
+  for (int k = 0; k < 8; ++k)
+    if (!(k & kDistance))
+      exchange<kDistance>(block[k], block[k + kDistance], std::make_integer_sequence<int, 8>());
+}
 
 }  // namespace detail
 
 // Lane i of block[k] <-> lane k of block[i].
 [[gnu::always_inline]] inline void transpose(Lanes (&block)[8]) {
-  constexpr detail::LaneIndices kSwap[3][2] = {
-      {{0, 8, 2, 10, 4, 12, 6, 14}, {1, 9, 3, 11, 5, 13, 7, 15}},
-      {{0, 1, 8, 9, 4, 5, 12, 13}, {2, 3, 10, 11, 6, 7, 14, 15}},
-      {{0, 1, 2, 3, 8, 9, 10, 11}, {4, 5, 6, 7, 12, 13, 14, 15}},
-  };
-  for (int level = 0; level < 3; ++level) {
-    const int distance = 1 << level;
-    for (int k = 0; k < 8; ++k) {
-      if (k & distance) continue;
-      const Lanes::Vector a = block[k].v, b = block[k + distance].v;
-      block[k].v = __builtin_shuffle(a, b, kSwap[level][0]);
-      block[k + distance].v = __builtin_shuffle(a, b, kSwap[level][1]);
-    }
-  }
+  detail::exchange_pairs<1>(block);
+  detail::exchange_pairs<2>(block);
+  detail::exchange_pairs<4>(block);
 }
 
 #if defined(__x86_64__)

@@ -80,7 +80,7 @@ void split(int k, int count, int cells, Visit&& visit) {
 
 // Means over the solid angle of other texels, of the map up to `ceiling`.
 Map averaged(const Image& map, const Vec3& ceiling, Extent extent) {
-  const auto [width, height] = map.extent;
+  const int width = map.extent.width, height = map.extent.height;
   Map mean{extent.width, extent.height, {}};
   mean.values.resize(std::size_t(mean.width) * mean.height * 3);
   const float* texels = map.samples<float>().data();
@@ -106,7 +106,7 @@ struct Peak {
 };
 
 std::vector<Peak> peaks_above(const Image& map, const Vec3& ceiling, double largest_part_rad) {
-  const auto [width, height] = map.extent;
+  const int width = map.extent.width, height = map.extent.height;
   const int parts = std::max(1, static_cast<int>(std::ceil(kPi / height / largest_part_rad)));
   const double step_theta = kPi / height / parts, step_phi = 2 * kPi / width / parts;
   std::vector<Peak> peaks;

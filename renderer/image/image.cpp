@@ -4,6 +4,7 @@
 #include "renderer/base/error.hpp"
 
 #if defined(__x86_64__)
+#include <cpuid.h>
 #include <immintrin.h>
 #endif
 
@@ -39,7 +40,13 @@ __attribute__((target("avx,f16c"))) std::size_t convert_by_f16c(std::span<const 
   return i;
 }
 
-const bool has_f16c = __builtin_cpu_supports("avx") && __builtin_cpu_supports("f16c");
+// Not every compiler's __builtin_cpu_supports knows of F16C; that of AVX also says whether the system keeps its registers.
+bool cpu_has_f16c() {
+  unsigned a = 0, b = 0, c = 0, d = 0;
+  return __builtin_cpu_supports("avx") && __get_cpuid(1, &a, &b, &c, &d) && (c & bit_F16C) != 0;
+}
+
+const bool has_f16c = cpu_has_f16c();
 
 template <class In, class Out>
 std::size_t convert_by_hardware(std::span<const In> in, Out* out) {

@@ -52,7 +52,7 @@ class CanonicalHash {
   template <class... T>
   void add(const std::variant<T...>& value) {
     builder_.add(static_cast<std::int64_t>(value.index()));
-    std::visit([this](const auto& alternative) { add(alternative); }, value);
+    std::visit([this](const auto& alternative) { this->add(alternative); }, value);
   }
 
   void add(const std::shared_ptr<const ModelBundle>& model) {

@@ -5,12 +5,6 @@
 #include "renderer/image/encode.hpp"
 
 #include <gtest/gtest.h>
-#include <OpenEXR/ImfChannelList.h>
-#include <OpenEXR/ImfFrameBuffer.h>
-#include <OpenEXR/ImfHeader.h>
-#include <OpenEXR/ImfStdIO.h>
-#include <OpenEXR/ImfTiledOutputFile.h>
-#include <OpenEXR/ImfOutputFile.h>
 
 #include <functional>
 
@@ -69,29 +63,8 @@ void expect_no_crash(const Decode& decode, const std::string& file, int flips, s
   }
 }
 
-// A wrong checksum hides everything behind it: puts right ones back, so that the damage reaches the decoder.
-std::string with_right_checksums(std::string png) {
-  const auto be32 = [&](std::size_t at) {
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<std::uint8_t>(png[at + i]);
-    return value;
-  };
-  for (std::size_t at = 8; at + 12 <= png.size();) {
-    const std::size_t size = be32(at);
-    if (size > png.size() - at - 12) break;
-    std::uint32_t crc = 0xffffffff;
-    for (std::size_t i = at + 4; i < at + 8 + size; ++i) {
-      crc ^= static_cast<std::uint8_t>(png[i]);
-      for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
-    }
-    for (std::size_t i = 0; i < 4; ++i) png[at + 8 + size + i] = static_cast<char>(~crc >> (24 - 8 * i));
-    at += size + 12;
-  }
-  return png;
-}
-
 TEST(Damage, Png) {
-  const auto decode = [](const std::string& file) { decode_as_texture(with_right_checksums(file)); };
+  const auto decode = [](const std::string& file) { decode_as_texture(sample::with_right_checksums(file)); };
   for (bool interlaced : {false, true}) {
     expect_no_crash(decode, sample::png(7, 5, sample::noise(7 * 5 * 3, 1), {.interlaced = interlaced}), 1500,
                     1);
@@ -145,39 +118,13 @@ TEST(Damage, Rgbe) {
   expect_no_crash(decode_as_rgbe, old, 4000, 9);
 }
 
-std::string small_exr(Imf::Compression compression, bool is_tiled) {
-  constexpr int kWidth = 24, kHeight = 12;
-  std::vector<std::uint16_t> halves(kWidth * kHeight * 3);
-  std::mt19937 random(11);
-  for (auto& half : halves) half = static_cast<std::uint16_t>(0x3800 + sample::next(random, 64));
-  Imf::Header header(kWidth, kHeight, 1, {0, 0}, 1, Imf::INCREASING_Y, compression);
-  Imf::FrameBuffer frame;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const char* const name = std::array{"R", "G", "B"}[i];
-    header.channels().insert(name, Imf::Channel(Imf::HALF));
-    frame.insert(name, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(halves.data() + i), 6, 6 * kWidth));
-  }
-  Imf::StdOSStream stream;
-  if (is_tiled) {
-    header.setTileDescription(Imf::TileDescription(16, 8, Imf::ONE_LEVEL));
-    Imf::TiledOutputFile file(stream, header, 0);
-    file.setFrameBuffer(frame);
-    file.writeTiles(0, file.numXTiles() - 1, 0, file.numYTiles() - 1);
-  } else {
-    Imf::OutputFile file(stream, header, 0);
-    file.setFrameBuffer(frame);
-    file.writePixels(kHeight);
-  }
-  return stream.str();
-}
-
 TEST(Damage, Exr) {
   for (Imf::Compression compression :
        {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION,
         Imf::PXR24_COMPRESSION, Imf::B44_COMPRESSION, Imf::DWAA_COMPRESSION}) {
     for (bool is_tiled : {false, true}) {
       SCOPED_TRACE(testing::Message() << "compression " << compression << (is_tiled ? ", tiled" : ""));
-      expect_no_crash(decode_as_exr, small_exr(compression, is_tiled), 400,
+      expect_no_crash(decode_as_exr, sample::small_exr(compression, is_tiled), 400,
                       10 + static_cast<std::uint32_t>(compression));
     }
   }

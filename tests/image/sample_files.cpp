@@ -2,10 +2,17 @@
 
 #include <cstdio>  // jpeglib.h wants it before itself
 #include <jpeglib.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStdIO.h>
+#include <OpenEXR/ImfTiledOutputFile.h>
 #include <avif/avif.h>
 #include <png.h>
 #include <webp/encode.h>
 
+#include <array>
 #include <csetjmp>
 #include <cstdlib>
 #include <memory>
@@ -152,6 +159,52 @@ std::string subsampled_avif(int width, int height, int channels, const std::vect
 std::string rgbe_header(int width, int height) {
   return "#?RADIANCE\n# made by a test\nFORMAT=32-bit_rle_rgbe\n\n-Y " + std::to_string(height) + " +X " +
          std::to_string(width) + "\n";
+}
+
+std::string small_exr(Imf::Compression compression, bool is_tiled) {
+  constexpr int kWidth = 24, kHeight = 12;
+  std::vector<std::uint16_t> halves(kWidth * kHeight * 3);
+  std::mt19937 random(11);
+  for (auto& half : halves) half = static_cast<std::uint16_t>(0x3800 + next(random, 64));
+  Imf::Header header(kWidth, kHeight, 1, {0, 0}, 1, Imf::INCREASING_Y, compression);
+  Imf::FrameBuffer frame;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const char* const name = std::array{"R", "G", "B"}[i];
+    header.channels().insert(name, Imf::Channel(Imf::HALF));
+    frame.insert(name, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(halves.data() + i), 6, 6 * kWidth));
+  }
+  Imf::StdOSStream stream;
+  if (is_tiled) {
+    header.setTileDescription(Imf::TileDescription(16, 8, Imf::ONE_LEVEL));
+    Imf::TiledOutputFile file(stream, header, 0);
+    file.setFrameBuffer(frame);
+    file.writeTiles(0, file.numXTiles() - 1, 0, file.numYTiles() - 1);
+  } else {
+    Imf::OutputFile file(stream, header, 0);
+    file.setFrameBuffer(frame);
+    file.writePixels(kHeight);
+  }
+  return stream.str();
+}
+
+std::string with_right_checksums(std::string png) {
+  const auto be32 = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<std::uint8_t>(png[at + i]);
+    return value;
+  };
+  for (std::size_t at = 8; at + 12 <= png.size();) {
+    const std::size_t size = be32(at);
+    if (size > png.size() - at - 12) break;
+    std::uint32_t crc = 0xffffffff;
+    for (std::size_t i = at + 4; i < at + 8 + size; ++i) {
+      crc ^= static_cast<std::uint8_t>(png[i]);
+      for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
+    }
+    for (std::size_t i = 0; i < 4; ++i) png[at + 8 + size + i] = static_cast<char>(~crc >> (24 - 8 * i));
+    at += size + 12;
+  }
+  return png;
 }
 
 }  // namespace furnace::sample

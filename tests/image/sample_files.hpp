@@ -6,6 +6,8 @@
 #include "renderer/base/blob.hpp"
 #include "renderer/base/error.hpp"
 
+#include <OpenEXR/ImfCompression.h>
+
 #include <cstdint>
 #include <random>
 #include <string>
@@ -46,6 +48,12 @@ std::string lossless_avif(int width, int height, int channels, int depth,
 std::string subsampled_avif(int width, int height, int channels, const std::vector<std::uint8_t>& samples);
 
 std::string rgbe_header(int width, int height);
+
+// Half floats of R, G and B, 24x12 px. By OpenEXR.
+std::string small_exr(Imf::Compression compression, bool is_tiled);
+
+// A wrong checksum hides everything behind it: `png` with right ones of its chunks, as far as it has chunks.
+std::string with_right_checksums(std::string png);
 
 // A file that holds one picture, decoded as a texture.
 inline Image picture(const std::string& file, ColorSpace color_space, const DecodeLimits& limits = {}) {

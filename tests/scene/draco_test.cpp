@@ -113,24 +113,6 @@ TEST(DracoBomb, ManyTrianglesNeedManyBytes) {
   EXPECT_EQ(error->code, ErrorCode::kTooLarge);
 }
 
-// The grid as a document whose accessors have no bytes of their own.
-GltfBuilder grid_document(bool edgebreaker = true) {
-  GltfBuilder builder;
-  const std::string file = encoded_grid(edgebreaker);
-  const int view = builder.add_view(std::vector<std::uint8_t>(file.begin(), file.end()));
-  const int position =
-      builder.add("accessors", {{"type", "VEC3"}, {"componentType", 5126}, {"count", kVertices}});
-  const int indices =
-      builder.add("accessors", {{"type", "SCALAR"}, {"componentType", 5123}, {"count", 3 * kTriangles}});
-  builder.show(
-      {{"attributes", {{"POSITION", position}}},
-       {"indices", indices},
-       {"extensions",
-        {{"KHR_draco_mesh_compression", {{"bufferView", view}, {"attributes", {{"POSITION", 0}}}}}}}});
-  builder.json["extensionsRequired"] = builder.json["extensionsUsed"] = {"KHR_draco_mesh_compression"};
-  return builder;
-}
-
 Json& draco_of(GltfBuilder& builder) {
   return primitive_of(builder)["extensions"]["KHR_draco_mesh_compression"];
 }

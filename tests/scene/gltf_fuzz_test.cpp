@@ -4,60 +4,10 @@
 #include <functional>
 #include <random>
 
-#include "tests/scene/gltf_builder.hpp"
+#include "tests/scene/gltf_samples.hpp"
 
 namespace furnace::testing {
 namespace {
-
-// Skin, morph targets, sparse accessor, textures, indices, two UV sets: every reader has something to do.
-ModelBundle rich_bundle() {
-  GltfBuilder builder;
-  const int position = builder.add_accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0});
-  const int normal = builder.add_accessor<float>("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1});
-  const int uv = builder.add_accessor<std::uint16_t>("VEC2", {0, 0, 65535, 0, 0, 65535, 65535, 65535}, true);
-  const int color = builder.add_accessor<std::uint8_t>("VEC4", std::vector<std::uint8_t>(16, 200), true);
-  const int joints = builder.add_accessor<std::uint8_t>("VEC4", std::vector<std::uint8_t>(16, 0));
-  const int weights = builder.add_accessor<float>("VEC4", {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
-  const int indices = builder.add_accessor<std::uint16_t>("SCALAR", {0, 1, 2, 2, 1, 3});
-  const int morph = builder.add("accessors", {{"type", "VEC3"}, {"componentType", 5126}, {"count", 4}});
-  builder.json["accessors"][morph]["sparse"] = {
-      {"count", 1},
-      {"indices", {{"bufferView", builder.add_view<std::uint8_t>({2})}, {"componentType", 5121}}},
-      {"values", {{"bufferView", builder.add_view<float>({0, 0, 1})}}}};
-  const int image = builder.add(
-      "images", {{"bufferView", builder.add_view<std::uint8_t>({0x89, 'P', 'N', 'G', 13, 10, 26, 10})}});
-  const int texture = builder.add("textures", {{"source", image}});
-  const Json layers = {
-      {"KHR_materials_ior", {{"ior", 1.5}}},
-      {"KHR_materials_clearcoat", {{"clearcoatFactor", 1}, {"clearcoatNormalTexture", {{"index", texture}}}}},
-      {"KHR_materials_anisotropy", {{"anisotropyStrength", 1}}},
-      {"KHR_materials_volume", {{"attenuationDistance", 1}, {"attenuationColor", {1, 0.5, 1}}}},
-      {"KHR_materials_pbrSpecularGlossiness", {{"glossinessFactor", 0.5}}}};
-  const int material =
-      builder.add("materials", {{"normalTexture", {{"index", texture}}}, {"extensions", layers}});
-  builder.json["extensions"]["KHR_materials_variants"]["variants"].push_back({{"name", "a"}});
-  const Json mappings = Json::array({{{"material", material}, {"variants", {0}}}});
-  const int skin = builder.add(
-      "skins", {{"joints", {1}},
-                {"inverseBindMatrices",
-                 builder.add_accessor<float>("MAT4", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1})}});
-  builder.show({{"attributes",
-                 {{"POSITION", position},
-                  {"NORMAL", normal},
-                  {"TEXCOORD_0", uv},
-                  {"COLOR_0", color},
-                  {"JOINTS_0", joints},
-                  {"WEIGHTS_0", weights}}},
-                {"indices", indices},
-                {"material", material},
-                {"extensions", {{"KHR_materials_variants", {{"mappings", mappings}}}}},
-                {"targets", {{{"POSITION", morph}}}}},
-               {{"skin", skin}, {"weights", {0.5}}});
-  builder.add("nodes", {{"translation", {0, 0, 1}}, {"rotation", {0, 0, 0, 1}}});
-  builder.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}});
-  builder.add("nodes", {{"camera", 0}});
-  return builder.bundle();
-}
 
 template <class V>
 void expect_whole(const std::vector<V>& values, const Mesh& mesh, bool required) {

@@ -10,7 +10,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/scene/gltf_builder.hpp"
+#include "tests/scene/gltf_samples.hpp"
 
 namespace furnace::testing {
 namespace {
@@ -33,47 +33,6 @@ ModelReport inspect(const GltfBuilder& builder, const ImportOptions& options = {
   for (const auto& [name, content] : files) bundle.siblings[name] = Blob(content);
   bundle.seal();
   return inspect_gltf(decode::in_process_decoder(), bundle, options, {}, Deadline(), limits);
-}
-
-// A quad twice over, one node outside of the scene, an unused material and camera, two variants, an animation.
-GltfBuilder furnished_builder() {
-  GltfBuilder builder;
-  builder.json["asset"]["generator"] = "by hand";
-  builder.json["asset"]["copyright"] = "nobody";
-  const int position = builder.add_accessor<float>("VEC3", {0, 0, 0, 2, 0, 0, 0, 3, 0, 2, 3, 0});
-  builder.json["accessors"][position]["min"] = {0, 0, 0};
-  builder.json["accessors"][position]["max"] = {2, 3, 1};  // too large: declared is not what is
-  const int normal = builder.add_accessor<float>("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1});
-  const int uv = builder.add_accessor<std::uint16_t>("VEC2", {0, 0, 65535, 0, 0, 65535, 65535, 65535}, true);
-  const int indices = builder.add_accessor<std::uint16_t>("SCALAR", {0, 1, 2, 2, 1, 3});
-  const int times = builder.add_accessor<float>("SCALAR", {0, 0.5f, 1.25f});
-  const int places = builder.add_accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 2, 0, 0});
-  const int texture = add_texture(builder, "color.png");
-  add_texture(builder, "gone.png");
-  builder.add("materials", {{"name", "wood"},
-                            {"alphaMode", "MASK"},
-                            {"doubleSided", true},
-                            {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}},
-                            {"extensions", {{"KHR_materials_ior", {{"ior", 1.4}}}}}});
-  builder.add("materials", {{"name", "spare"}, {"normalTexture", {{"index", texture}}}});
-  builder.json["extensionsUsed"] = {"KHR_materials_ior", "KHR_materials_variants", "MY_extension"};
-  builder.json["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "day"}}, {{"name", "night"}}};
-  builder.show({{"attributes", {{"POSITION", position}, {"NORMAL", normal}, {"TEXCOORD_0", uv}}},
-                {"indices", indices},
-                {"material", 0}},
-               {{"name", "first"}});
-  builder.add("nodes", {{"mesh", 0}, {"translation", {10, 0, 0}}, {"children", {2}}});
-  builder.add("nodes", {{"name", "child"}});
-  builder.add("nodes", {{"name", "outside"}, {"camera", 0}});
-  builder.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1.0}, {"znear", 0.5}}}});
-  builder.add("scenes", {{"name", "main"}, {"nodes", {0, 1}}});
-  builder.add("scenes", {{"nodes", {1}}});
-  builder.json["scene"] = 0;
-  builder.add("animations",
-              {{"name", "slide"},
-               {"samplers", {{{"input", times}, {"output", places}, {"interpolation", "STEP"}}}},
-               {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}});
-  return builder;
 }
 
 const std::map<std::string, std::string> kFiles = {{"color.png", png_header(40, 30)}};

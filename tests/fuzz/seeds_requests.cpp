@@ -1,0 +1,91 @@
+// Documents of the request's tests, forms, heads, answers of a decoder.
+#include <algorithm>
+#include <filesystem>
+
+#include "renderer/decode/in_process_decoder.hpp"
+#include "renderer/decode/messages.hpp"
+#include "tests/api/request_fixture.hpp"
+#include "tests/fuzz/seeds.hpp"
+#include "tests/support/model_files.hpp"
+
+namespace furnace::fuzz {
+namespace {
+
+std::string form(const std::string& boundary, const std::string& parts) {
+  return "multipart/form-data; boundary=" + boundary + '\0' + parts;
+}
+
+std::vector<std::string> forms() {
+  const std::string request = "--B\r\nContent-Disposition: form-data; name=\"request\"\r\n\r\n{}\r\n";
+  const std::string file =
+      "--B\r\nContent-Type: image/png\r\nContent-Disposition: form-data; name=\"f\"; filename=\"a "
+      "b.png\"\r\n\r\n"
+      "\x89PNG\r\n-\r\n--\r\n";
+  return {form("B", request + "--B--"), form("B", "preamble\r\n" + request + file + "--B--\r\nepilogue"),
+          form("\"B\"", file + file + "--B  \r\n\r\n--B--"), std::string("application/json") + '\0' + "{}"};
+}
+
+std::vector<std::string> heads() {
+  return {
+      "Host: a\nContent-Length: 5, 5\nAccept: image/*;q=0.5, image/png;q=0.1\nIf-None-Match: \"x\", "
+      "W/\"0123\"\n",
+      "Host: a\nTransfer-Encoding: chunked\nExpect: 100-continue\nX-Request-Id: abc-1\n",
+      "Content-Encoding: gzip\nContent-Type: multipart/form-data; boundary=\"a;b\\\"c\"; x=y\n"};
+}
+
+// The fields of run_reply (request_targets.cpp): an answer as a decoder's process writes it.
+template <class Result>
+std::string reply_input(unsigned job, const Result& result) {
+  constexpr std::size_t kBlockBytes = 4096;
+  std::vector<std::byte> block(kBlockBytes);
+  decode::WireWriter head, body(block);
+  fields(head, decode::Reply());
+  fields(body, result);
+  const std::string message = head.bytes() + body.bytes();
+  return number(job, 1) + number(std::uint32_t(message.size()), 2) + message +
+         std::string(reinterpret_cast<const char*>(block.data()), block.size());
+}
+
+Image even_image(Extent extent, int channels, SampleType type, ColorSpace space) {
+  return make_image(extent, channels, type, space);
+}
+
+std::vector<std::string> replies() {
+  DecodedTexture texture;
+  for (const Extent extent : {Extent{8, 4}, Extent{4, 2}})
+    texture.levels.push_back(even_image(extent, 3, SampleType::kUint8, ColorSpace::kSrgb));
+  texture.remarks = {{"a-code", "says something"}};
+  const DecodedEnvironment environment{even_image({16, 8}, 3, SampleType::kFloat32, ColorSpace::kLinear), {}};
+  const DracoMesh mesh{{0, 1, 2, 2, 1, 7}, {std::vector<std::byte>(96)}};
+  PlainModelLimits limits;
+  limits.max_materials = 20;
+  std::vector<std::string> inputs = {reply_input(0, texture), reply_input(1, environment),
+                                     reply_input(2, mesh),
+                                     reply_input(3, decode::MeshoptElements{std::vector<std::byte>(64)})};
+  for (const auto& [document, format] :
+       {std::pair{test::obj_corner(), ModelFormat::kObj}, std::pair{test::text_stl(), ModelFormat::kStl}}) {
+    inputs.push_back(
+        reply_input(4, decode_model(std::as_bytes(std::span(document)), test::mtl_corner(), format, limits)));
+  }
+  return inputs;
+}
+
+}  // namespace
+
+void add_request_seeds(Seeds& seeds) {
+  for (const api::FieldRow& row : api::field_rows())
+    seeds["request"].push_back(api::with_value(row, row.one));
+  std::vector<std::string> paths;
+  for (const auto& entry : std::filesystem::directory_iterator("tests/api/requests"))
+    if (!entry.path().string().ends_with(".problem.json")) paths.push_back(entry.path().string());
+  std::ranges::sort(paths);
+  for (const std::string& path : paths) seeds["request"].push_back(file_text(path));
+  seeds["inspect_request"] = {R"({"model":"part:model.gltf"})",
+                              R"({"model":"part:model.gltf","gltfScene":1,"variant":"a"})",
+                              R"({"model":"data:model/gltf+json;base64,e30="})"};
+  seeds["multipart"] = forms();
+  seeds["head"] = heads();
+  seeds["reply"] = replies();
+}
+
+}  // namespace furnace::fuzz
