@@ -14,6 +14,7 @@
 #include "server/dispatcher.hpp"
 #include "server/environment_registry.hpp"
 #include "server/http_server.hpp"
+#include "server/job_routes.hpp"
 #include "server/metrics.hpp"
 #include "server/render_service.hpp"
 #include "server/routes.hpp"
@@ -61,7 +62,10 @@ class Application {
   Engine engine_;
   Metrics metrics_;
   Readiness readiness_;
+  JobStore jobs_;
   const Doors doors_;
+  JobRunner job_runner_;
+  JobDoors job_doors_;
   const Dispatcher public_dispatcher_;
   const Dispatcher admin_dispatcher_;
   std::unique_ptr<HttpServer> admin_server_;  // null without admin_listen

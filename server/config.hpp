@@ -29,6 +29,13 @@ struct Config {
   std::int64_t ready_timeout_ms = 10'000;
   std::int64_t drain_timeout_ms = 20'000;
 
+  int job_threads = 1;
+  int job_queue = 1000;
+  std::int64_t job_timeout_ms = 600'000;  // of one job, once it has begun
+  std::int64_t job_ttl_ms = 24ll * 3600 * 1000;
+  std::int64_t job_bytes = 4096ll << 20;
+  int event_streams = 8;
+
   std::int64_t max_body_bytes = 64ll << 20;
   std::int64_t max_bodies_bytes = 512ll << 20;
   int max_parts = 64;

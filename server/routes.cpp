@@ -151,6 +151,7 @@ Reply post_render(const Doors& doors, const Request& request) {
     Reply unchanged{304, {}, {}, {}};
     return with_validators(unchanged, doors, etag, doors.service.keeps(tag));
   }
+  if (doors.jobs != nullptr && JobDoors::is_asked_for(request)) return doors.jobs->accept(request);
   const Rendered rendered = doors.service.render(spec, request.deadline);
   const api::StoredRender& image = *rendered.image;
   count_render(doors.metrics, spec, rendered);
@@ -260,6 +261,17 @@ void Readiness::check(std::chrono::milliseconds timeout) {
   good_until_ = Clock::now() + std::chrono::seconds(1);
 }
 
+std::string draw_job(const Doors& doors, const JobRequest& job, const Deadline& deadline,
+                     const RenderService::Progress& progress) {
+  Request request;
+  request.headers = {{"Content-Type", job.content_type}};
+  request.body = job.body;
+  const RenderSpec spec = parse_spec(read_body(request, doors.max_parts), job.accept, doors);
+  const Rendered rendered = doors.service.render(spec, deadline, progress);
+  count_render(doors.metrics, spec, rendered);
+  return api::encode_stored_render(*rendered.image);
+}
+
 std::vector<Route> operation_routes(const Doors& doors, bool with_metrics) {
   std::vector<Route> routes = {
       {"GET", "/livez", [](const Request&) { return plain("alive\n"); }},
@@ -286,6 +298,8 @@ std::vector<Route> public_routes(const Doors& doors, bool with_metrics) {
   routes.push_back(document("/openapi.json", kJson, api::openapi_document(version())));
   routes.push_back(document("/v1/capabilities", kJson, api::capabilities_json(doors.capabilities)));
   for (Route& route : environment_routes(doors.environments)) routes.push_back(std::move(route));
+  if (doors.jobs != nullptr)
+    for (Route& route : doors.jobs->routes()) routes.push_back(std::move(route));
   routes.push_back(document("/", kPlainText, welcome()));
   return routes;
 }

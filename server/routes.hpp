@@ -11,6 +11,7 @@
 #include "api/capabilities.hpp"
 #include "server/dispatcher.hpp"
 #include "server/environment_registry.hpp"
+#include "server/job_routes.hpp"
 #include "server/metrics.hpp"
 #include "server/render_service.hpp"
 
@@ -52,7 +53,13 @@ struct Doors {
   api::Capabilities capabilities;  // with the limits that requests are held to
   int max_parts = 64;
   const decode::ProcessDecoder* decoders = nullptr;  // null: files are decoded in this process
+  JobDoors* jobs = nullptr;                          // null: every render is waited for
 };
+
+// A job's work: the request is understood and drawn as POST /v1/renders would. The result is as encode_stored_render writes it.
+// Errors: those of that door.
+std::string draw_job(const Doors& doors, const JobRequest& request, const Deadline& deadline,
+                     const RenderService::Progress& progress);
 
 // Health and version; metrics too when `with_metrics`.
 std::vector<Route> operation_routes(const Doors& doors, bool with_metrics);

@@ -67,6 +67,17 @@ constexpr std::array kSettings = {
     number("drain-timeout", &Config::drain_timeout_ms, Unit::kDuration, 0, 3600 * kSecond,
            "after SIGTERM, time for requests at work to end"),
 
+    number("job-threads", &Config::job_threads, Unit::kCount, 1, 64, "jobs that are worked on at once"),
+    number("job-queue", &Config::job_queue, Unit::kCount, 0, 1'000'000, "jobs that may wait; more are answered 429"),
+    number("job-timeout", &Config::job_timeout_ms, Unit::kDuration, 1, 24 * 3600 * kSecond,
+           "time of one job, once it has begun"),
+    number("job-ttl", &Config::job_ttl_ms, Unit::kDuration, kSecond, 365ll * 24 * 3600 * kSecond,
+           "how long a finished job and its result are kept"),
+    number("job-store", &Config::job_bytes, Unit::kBytes, kMiB, 1024 * kGiB,
+           "requests and results of jobs below --data; without it in memory, 256MiB at most"),
+    number("event-streams", &Config::event_streams, Unit::kCount, 0, 1024,
+           "streams of a job's events at once; each holds a thread"),
+
     number("max-body", &Config::max_body_bytes, Unit::kBytes, 1024, kGiB,
            "largest request body; more is 413"),
     number("max-bodies", &Config::max_bodies_bytes, Unit::kBytes, 1024, 64 * kGiB,
