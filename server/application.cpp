@@ -138,6 +138,7 @@ Application::Application(const Config& config)
              metrics_,
              capabilities(config_, engine_.renderer),
              config_.max_parts,
+             config_.max_batch,
              engine_.decoders.processes(),
              &job_doors_},
       job_runner_(

@@ -123,7 +123,7 @@ bool JobDoors::is_asked_for(const Request& request) {
 }
 
 Reply JobDoors::accept(const Request& request) {
-  const JobRequest wanted{std::string(request.header("Content-Type")), std::string(request.header("Accept")),
+  const JobRequest wanted{request.path, std::string(request.header("Content-Type")), std::string(request.header("Accept")),
                           request.body, priority_of(request), idempotency_key(request)};
   const JobStore::Created created = store_.create(wanted, unix_time_ms());
   if (created.is_new) runner_.wake();

@@ -26,7 +26,7 @@ constexpr const char* kSchema = R"(
     finished_ms INTEGER NOT NULL DEFAULT 0, attempts INTEGER NOT NULL DEFAULT 0, problem TEXT NOT NULL DEFAULT '',
     idempotency_key TEXT UNIQUE, request_hash TEXT NOT NULL, bytes INTEGER NOT NULL);
   CREATE INDEX IF NOT EXISTS by_turn ON jobs(status, priority DESC, number);
-  CREATE TABLE IF NOT EXISTS requests(id TEXT PRIMARY KEY, content_type TEXT NOT NULL, accept TEXT NOT NULL, body BLOB NOT NULL);
+  CREATE TABLE IF NOT EXISTS requests(id TEXT PRIMARY KEY, target TEXT NOT NULL, content_type TEXT NOT NULL, accept TEXT NOT NULL, body BLOB NOT NULL);
   CREATE TABLE IF NOT EXISTS results(id TEXT PRIMARY KEY, file BLOB NOT NULL);
 )";
 
@@ -39,7 +39,7 @@ std::string new_id() {
 }
 
 std::string hash_of(const JobRequest& request) {
-  return HashBuilder().add(request.content_type).add(request.accept).add(request.body).finish().hex();
+  return HashBuilder().add(request.target).add(request.content_type).add(request.accept).add(request.body).finish().hex();
 }
 
 }  // namespace
@@ -93,7 +93,8 @@ struct JobStore::Database {
       return *this;
     }
     Statement& bind(std::string_view text) {
-      sqlite3_bind_text64(statement_, ++bound_, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8);
+      sqlite3_bind_text64(statement_, ++bound_, text.data() ? text.data() : "", text.size(), SQLITE_TRANSIENT,
+                          SQLITE_UTF8);
       return *this;
     }
     Statement& bind(const std::optional<std::string>& text) {
@@ -248,8 +249,9 @@ JobStore::Created JobStore::create(const JobRequest& request, std::int64_t now_m
       .bind(std::string_view(hash))
       .bind(bytes)
       .step();
-  Database::Statement(db, "INSERT INTO requests VALUES(?,?,?,?)")
+  Database::Statement(db, "INSERT INTO requests VALUES(?,?,?,?,?)")
       .bind(std::string_view(id))
+      .bind(std::string_view(request.target))
       .bind(std::string_view(request.content_type))
       .bind(std::string_view(request.accept))
       .bind_blob(request.body)
@@ -266,10 +268,10 @@ std::optional<JobWork> JobStore::begin(std::int64_t now_ms) {
   JobWork work;
   {
     Database::Statement next(db,
-                             "SELECT jobs.id, content_type, accept, body, priority FROM jobs JOIN requests USING(id) "
+                             "SELECT jobs.id, target, content_type, accept, body, priority FROM jobs JOIN requests USING(id) "
                              "WHERE status=0 ORDER BY priority DESC, number LIMIT 1");
     if (!next.step()) return std::nullopt;
-    work = {next.text(0), {next.text(1), next.text(2), next.text(3), int(next.number(4)), {}}};
+    work = {next.text(0), {next.text(1), next.text(2), next.text(3), next.text(4), int(next.number(5)), {}}};
   }
   Database::Statement(db, "UPDATE jobs SET status=1, started_ms=?, attempts=attempts+1 WHERE id=?")
       .bind(now_ms)

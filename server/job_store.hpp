@@ -21,6 +21,7 @@ inline bool is_finished(JobStatus status) {
 
 // A request as it came.
 struct JobRequest {
+  std::string target;  // path
   std::string content_type, accept, body;
   int priority = 0;                            // larger first; equals in their order
   std::optional<std::string> idempotency_key;  // of one client's choosing: the same key is the same job

@@ -14,6 +14,7 @@
 #include "server/job_routes.hpp"
 #include "server/metrics.hpp"
 #include "server/render_service.hpp"
+#include "server/request_body.hpp"
 
 namespace furnace {
 
@@ -52,9 +53,13 @@ struct Doors {
   Metrics& metrics;
   api::Capabilities capabilities;  // with the limits that requests are held to
   int max_parts = 64;
+  int max_batch = 256;  // renders
   const decode::ProcessDecoder* decoders = nullptr;  // null: files are decoded in this process
   JobDoors* jobs = nullptr;                          // null: every render is waited for
 };
+
+// Errors: those of parse_render_request; kNotAcceptable.
+RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Doors& doors);
 
 // A job's work: the request is understood and drawn as POST /v1/renders would. The result is as encode_stored_render writes it.
 // Errors: those of that door.

@@ -83,6 +83,7 @@ constexpr std::array kSettings = {
     number("max-bodies", &Config::max_bodies_bytes, Unit::kBytes, 1024, 64 * kGiB,
            "largest sum of all request bodies held at once; more is 429"),
     number("max-parts", &Config::max_parts, Unit::kCount, 1, 4096, "parts of one multipart request"),
+    number("max-batch", &Config::max_batch, Unit::kCount, 1, 10'000, "renders of one batch"),
     number("max-json", &Config::max_json_bytes, Unit::kBytes, 1024, 256 * kMiB, "largest request document"),
     number("max-side", &Config::max_side_px, Unit::kCount, 1, 16384,
            "largest width or height of a picture, px"),

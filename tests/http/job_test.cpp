@@ -21,7 +21,7 @@ class JobStoreTest : public ::testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   static JobRequest request(std::string body, int priority = 0, std::optional<std::string> key = {}) {
-    return {"application/json", "*/*", std::move(body), priority, std::move(key)};
+    return {"/v1/renders", "application/json", "*/*", std::move(body), priority, std::move(key)};
   }
   // The text of the error; "" without one.
   static std::string refusal(const std::function<void()>& what) {

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """Renders that are answered later, with real curl against the real binary."""
+import io
 import json
 import signal
 import tempfile
 import time
+import zipfile
 
 import http_support as support
 from http_support import Case, Server, curl_process, small
@@ -56,17 +58,46 @@ class Jobs(Case):
         with Server() as server:
             self.expect_problem(server.render({"output": {"width": 0}}, *ASYNC), 422)
             self.expect_problem(server.render(small(), *ASYNC, "-H", "Furnace-Priority: high"), 400)
-            model = b'{"asset":{"version":"2.0"},"nodes":[{"mesh":7}]}'
+            model = b'{"asset":{"version":"2.0"}}'
             with tempfile.NamedTemporaryFile() as file:
                 file.write(model)
                 file.flush()
-                answer = server.curl("/v1/renders", *ASYNC, "-F", 'request={"scene":{"model":"part:model"}};type=application/json',
+                answer = server.curl("/v1/renders", *ASYNC, "-F", 'request={"scene":{"model":"part:model"},"camera":{"gltf":5}};type=application/json',
                                      "-F", f"model=@{file.name}")
             job = self.wait(server, answer.headers["location"], "failed")
             self.assertEqual(job["problem"]["status"], 422)
             self.expect_problem(server.curl(answer.headers["location"] + "/result"), 404)
             self.expect_problem(server.curl("/v1/jobs/" + "0" * 32), 404)
             self.expect_problem(server.curl("/v1/jobs/none"), 404)
+
+    def test_a_batch_is_an_archive_at_once_or_later(self):
+        batch = {"request": small(), "items": [{"name": "front", "changes": {"/camera/orbit/azimuthDegrees": 0}}, {"name": "back"}],
+                 "vary": [{"pointer": "/output/width", "values": [20, 40]}]}
+        with Server() as server:
+            def ask(document, *flags):
+                return server.curl("/v1/batches", "-H", "Content-Type: application/json", "--data-binary", json.dumps(document), *flags)
+
+            answer = ask(batch)
+            self.assertEqual(answer.status, 200, answer.body[:500])
+            with zipfile.ZipFile(io.BytesIO(answer.body)) as archive:
+                index = json.loads(archive.read("index.json"))["items"]
+                self.assertEqual([item["file"] for item in index],
+                                 ["front_001.png", "front_002.png", "back_001.png", "back_002.png"])
+                self.assertEqual(support.read_png(archive.read("back_002.png"))[:2], (40, 32))
+                alone = {**small(width=20), "camera": {"orbit": {"azimuthDegrees": 0}}}
+                self.assertEqual(archive.read("front_001.png"), server.render(alone).body)
+            later = ask(batch, *ASYNC)
+            self.assertEqual(later.status, 202)
+            job = self.wait(server, later.headers["location"])
+            self.assertEqual(server.curl(job["result"]).body, answer.body)
+            # One that cannot be drawn is told in the index; one that cannot be understood ends the batch before it begins.
+            wrong = {"request": small(), "items": [{"name": "a"}, {"name": "b", "changes": {"/camera/gltf": 3}}]}
+            with zipfile.ZipFile(io.BytesIO(ask(wrong).body)) as archive:
+                index = json.loads(archive.read("index.json"))["items"]
+                self.assertEqual((index[0]["file"], index[1]["problem"]["status"]), ("a.png", 422))
+            self.expect_problem(ask({"items": [{"changes": {"/output/width": 0}}]}), 422)
+            self.expect_problem(ask({}), 422)
+            self.expect_problem(ask({"vary": [{"pointer": "/output/width", "values": list(range(1, 300))}]}), 413)
 
     def test_events_tell_until_the_end(self):
         with Server() as server:
