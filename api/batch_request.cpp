@@ -92,7 +92,8 @@ class Reader {
       if (key == "name") {
         if (!expect(member, JsonType::kText, "a text")) continue;
         item.name = std::string(member.text());
-        if (!is_file_name(item.name)) add(member, "must be a file's name of letters, digits, '.', '_' and '-'");
+        if (!is_file_name(item.name))
+          add(member, "must be a file's name of letters, digits, '.', '_' and '-'");
       } else if (key == "changes") {
         if (!expect(member, JsonType::kObject, "an object by JSON pointers")) continue;
         for (const auto& [pointer, change] : member.members()) is_pointer(change, pointer);
@@ -110,7 +111,8 @@ class Reader {
     for (const auto& [key, member] : value.members())
       if (key != "pointer" && key != "values") add(member, "is not known; it has pointer and values");
     const Value pointer = value["pointer"], values = value["values"];
-    if (!expect(pointer, JsonType::kText, "a JSON pointer") || !expect(values, JsonType::kArray, "an array")) return;
+    if (!expect(pointer, JsonType::kText, "a JSON pointer") || !expect(values, JsonType::kArray, "an array"))
+      return;
     const std::string text(pointer.text());
     if (!is_pointer(pointer, text)) return;
     if (values.size() == 0) return add(values, "has no value");
@@ -176,7 +178,8 @@ std::vector<BatchItem> parse_batch(std::string_view json, const RequestLimits& l
 std::string batch_index_json(const std::vector<BatchOutcome>& outcomes) {
   OrderedJson list = OrderedJson::array();
   for (const BatchOutcome& outcome : outcomes) {
-    OrderedJson item = {{"name", outcome.name}, {"changes", OrderedJson::parse(outcome.changes, nullptr, false)}};
+    OrderedJson item = {{"name", outcome.name},
+                        {"changes", OrderedJson::parse(outcome.changes, nullptr, false)}};
     if (!outcome.file.empty()) item["file"] = outcome.file;
     if (!outcome.problem.empty()) item["problem"] = OrderedJson::parse(outcome.problem, nullptr, false);
     OrderedJson notes = OrderedJson::array();
@@ -185,7 +188,8 @@ std::string batch_index_json(const std::vector<BatchOutcome>& outcomes) {
     item["notes"] = std::move(notes);
     list.push_back(std::move(item));
   }
-  return OrderedJson{{"items", std::move(list)}}.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
+  return OrderedJson{{"items", std::move(list)}}.dump(2, ' ', false, OrderedJson::error_handler_t::replace) +
+         "\n";
 }
 
 }  // namespace furnace::api

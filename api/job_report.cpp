@@ -26,8 +26,7 @@ std::string job_report_json(const JobReport& report) {
   if (report.finished_ms > 0) json["finishedAt"] = time_text(report.finished_ms);
   if (report.frames > 0) json["progress"] = {{"framesDone", report.frames_done}, {"frames", report.frames}};
   if (!report.result.empty()) json["result"] = report.result;
-  if (!report.problem.empty())
-    json["problem"] = OrderedJson::parse(report.problem, nullptr, false);
+  if (!report.problem.empty()) json["problem"] = OrderedJson::parse(report.problem, nullptr, false);
   return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 

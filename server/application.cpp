@@ -141,12 +141,12 @@ Application::Application(const Config& config)
              config_.max_batch,
              engine_.decoders.processes(),
              &job_doors_},
-      job_runner_(
-          jobs_,
-          [this](const JobRequest& request, const Deadline& deadline, const RenderService::Progress& progress) {
-            return draw_job(doors_, request, deadline, progress);
-          },
-          {config_.job_threads, milliseconds(config_.job_timeout_ms)}),
+      job_runner_(jobs_,
+                  [this](const JobRequest& request, const Deadline& deadline,
+                         const RenderService::Progress& progress) {
+                    return draw_job(doors_, request, deadline, progress);
+                  },
+                  {config_.job_threads, milliseconds(config_.job_timeout_ms)}),
       job_doors_(jobs_, job_runner_, config_.event_streams),
       public_dispatcher_(public_routes(doors_, config_.admin_listen.empty()), metrics_),
       admin_dispatcher_(operation_routes(doors_, true), metrics_),

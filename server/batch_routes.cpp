@@ -85,7 +85,8 @@ Reply post_batch(const Doors& doors, const Request& request) {
     return doors.jobs->accept(request);
   }
   api::StoredRender batch = draw_batch(doors, body, request.deadline, {});
-  return Reply{200, std::move(batch.media_type), std::move(batch.bytes), {}}.with("Cache-Control", "no-store");
+  return Reply{200, std::move(batch.media_type), std::move(batch.bytes), {}}.with("Cache-Control",
+                                                                                  "no-store");
 }
 
 }  // namespace furnace

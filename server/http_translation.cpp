@@ -20,14 +20,15 @@ void fill(httplib::Response& out, Reply reply) {
   out.status = reply.status;
   for (const auto& [name, value] : reply.headers) out.set_header(name, value);
   if (reply.stream) {
-    out.set_chunked_content_provider(
-        reply.media_type, [next = std::move(reply.stream)](size_t, httplib::DataSink& sink) {
-          std::string piece;
-          const bool more = next(piece);
-          if (!piece.empty() && !sink.write(piece.data(), piece.size())) return false;
-          if (!more) sink.done();
-          return true;
-        });
+    out.set_chunked_content_provider(reply.media_type,
+                                     [next = std::move(reply.stream)](size_t, httplib::DataSink& sink) {
+                                       std::string piece;
+                                       const bool more = next(piece);
+                                       if (!piece.empty() && !sink.write(piece.data(), piece.size()))
+                                         return false;
+                                       if (!more) sink.done();
+                                       return true;
+                                     });
     return;
   }
   out.body = std::move(reply.body);

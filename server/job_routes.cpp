@@ -26,8 +26,9 @@ std::string location(const std::string& id) {
 }
 
 std::string report(const Job& job) {
-  api::JobReport report{job.id, name_of(job.status), job.priority, job.created_ms, job.started_ms,
-                        job.finished_ms, job.frames_done, job.frames, {}, job.problem};
+  api::JobReport report{
+      job.id,          name_of(job.status), job.priority, job.created_ms, job.started_ms, job.finished_ms,
+      job.frames_done, job.frames,          {},           job.problem};
   if (job.status == JobStatus::kSucceeded) report.result = location(job.id) + std::string(kResult);
   return api::job_report_json(report);
 }
@@ -62,7 +63,8 @@ int priority_of(const Request& request) {
   int priority = -1;
   const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), priority);
   if (fault != std::errc{} || end != text.data() + text.size() || priority < 0 || priority > kMostPriority)
-    fail(ErrorCode::kInvalidRequest, fmt::format("Furnace-Priority is a number from 0 to {}.", kMostPriority));
+    fail(ErrorCode::kInvalidRequest,
+         fmt::format("Furnace-Priority is a number from 0 to {}.", kMostPriority));
   return priority;
 }
 
@@ -118,13 +120,19 @@ bool JobDoors::is_asked_for(const Request& request) {
   const std::size_t at = prefer.find("respond-async");
   if (at == prefer.npos) return false;
   const std::size_t end = at + std::string_view("respond-async").size();
-  const auto is_edge = [&](std::size_t i) { return std::string_view(", ;\t").find(prefer[i]) != prefer.npos; };
+  const auto is_edge = [&](std::size_t i) {
+    return std::string_view(", ;\t").find(prefer[i]) != prefer.npos;
+  };
   return (at == 0 || is_edge(at - 1)) && (end == prefer.size() || is_edge(end));
 }
 
 Reply JobDoors::accept(const Request& request) {
-  const JobRequest wanted{request.path, std::string(request.header("Content-Type")), std::string(request.header("Accept")),
-                          request.body, priority_of(request), idempotency_key(request)};
+  const JobRequest wanted{request.path,
+                          std::string(request.header("Content-Type")),
+                          std::string(request.header("Accept")),
+                          request.body,
+                          priority_of(request),
+                          idempotency_key(request)};
   const JobStore::Created created = store_.create(wanted, unix_time_ms());
   if (created.is_new) runner_.wake();
   return reply_of(202, created.job).with("Preference-Applied", "respond-async");
@@ -149,7 +157,8 @@ Reply JobDoors::get_result(const Request& request, const std::string& id) {
   api::StoredRender render = api::decode_stored_render(*file);
   const std::string etag = hash_bytes(std::as_bytes(std::span(render.bytes))).hex();
   const bool unchanged = etag_matches(request.header("If-None-Match"), etag);
-  Reply reply = unchanged ? Reply{304, {}, {}, {}} : Reply{200, render.media_type, std::move(render.bytes), {}};
+  Reply reply =
+      unchanged ? Reply{304, {}, {}, {}} : Reply{200, render.media_type, std::move(render.bytes), {}};
   return reply.with("ETag", '"' + etag + '"')
       .with("Furnace-Exposure-Ev", fmt::format("{}", render.exposure_ev))
       .with("Cache-Control", "private, max-age=31536000, immutable");

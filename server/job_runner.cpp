@@ -99,13 +99,13 @@ void JobRunner::run(const JobWork& work, std::stop_token cancel) {
   log::info("job.begin", {{"id", work.id}});
   const auto progress = [&](int done, int of) { store_.tell_progress(work.id, done, of); };
   try {
-    const std::string result =
-        work_(work.request, Deadline(config_.timeout, std::move(cancel)), progress);
+    const std::string result = work_(work.request, Deadline(config_.timeout, std::move(cancel)), progress);
     store_.succeed(work.id, result, unix_time_ms());
   } catch (const Error&) {
     throw;
   } catch (const std::exception& stray) {
-    furnace::fail(ErrorCode::kInternal, "The server made a mistake; its log has the details under this job's id.", {},
+    furnace::fail(ErrorCode::kInternal,
+                  "The server made a mistake; its log has the details under this job's id.", {},
                   stray.what());
   }
   log::info("job.done", {{"id", work.id}});

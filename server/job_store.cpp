@@ -39,7 +39,13 @@ std::string new_id() {
 }
 
 std::string hash_of(const JobRequest& request) {
-  return HashBuilder().add(request.target).add(request.content_type).add(request.accept).add(request.body).finish().hex();
+  return HashBuilder()
+      .add(request.target)
+      .add(request.content_type)
+      .add(request.accept)
+      .add(request.body)
+      .finish()
+      .hex();
 }
 
 }  // namespace
@@ -60,7 +66,8 @@ struct JobStore::Database {
     const std::int64_t found = version.step() ? version.number(0) : 0;
     version.reset();
     if (found != 0 && found != kSchemaVersion)
-      furnace::fail(ErrorCode::kStorage, fmt::format("{} was written by another version of this program", name));
+      furnace::fail(ErrorCode::kStorage,
+                    fmt::format("{} was written by another version of this program", name));
     run(kSchema);
     run(fmt::format("PRAGMA user_version={}", kSchemaVersion).c_str());
   }
@@ -104,7 +111,8 @@ struct JobStore::Database {
     }
     // The bytes must live until the statement has run.
     Statement& bind_blob(std::string_view bytes) {
-      sqlite3_bind_blob64(statement_, ++bound_, bytes.data() ? bytes.data() : "", bytes.size(), SQLITE_STATIC);
+      sqlite3_bind_blob64(statement_, ++bound_, bytes.data() ? bytes.data() : "", bytes.size(),
+                          SQLITE_STATIC);
       return *this;
     }
     bool step() {
@@ -150,7 +158,8 @@ struct JobStore::Database {
 
   std::optional<Job> find(const char* column_is, std::string_view value) {
     const std::string sql = fmt::format(
-        "SELECT id, status, priority, created_ms, started_ms, finished_ms, attempts, problem FROM jobs WHERE {}=?",
+        "SELECT id, status, priority, created_ms, started_ms, finished_ms, attempts, problem FROM jobs WHERE "
+        "{}=?",
         column_is);
     Statement statement(*this, sql.c_str());
     if (!statement.bind(value).step()) return std::nullopt;
@@ -206,8 +215,9 @@ JobStore::JobStore(const std::filesystem::path& folder, const JobLimits& limits)
   std::filesystem::create_directories(folder, error);
   database_ = std::make_unique<Database>((folder / "jobs.sqlite").string());
   Database::Transaction whole(*database_);
-  Database::Statement(*database_,
-                      "UPDATE jobs SET status=3, finished_ms=created_ms, problem=? WHERE status=1 AND attempts>=?")
+  Database::Statement(
+      *database_,
+      "UPDATE jobs SET status=3, finished_ms=created_ms, problem=? WHERE status=1 AND attempts>=?")
       .bind(std::string_view(R"({"type":"about:blank","title":"Internal Server Error","status":500,)"
                              R"("detail":"The server ended several times while it drew this."})"))
       .bind(std::int64_t(limits.max_attempts))
@@ -236,12 +246,14 @@ JobStore::Created JobStore::create(const JobRequest& request, std::int64_t now_m
     furnace::fail(ErrorCode::kOverloaded, "Too many jobs wait; try again later.");
   const auto bytes = std::int64_t(request.body.size());
   if (db.number_of("SELECT COALESCE(SUM(bytes), 0) FROM jobs") + bytes > limits_.max_bytes)
-    furnace::fail(ErrorCode::kOverloaded, "The jobs that are kept leave no room for this one; try again later.");
+    furnace::fail(ErrorCode::kOverloaded,
+                  "The jobs that are kept leave no room for this one; try again later.");
 
   const std::string id = new_id();
-  Database::Statement(db,
-                      "INSERT INTO jobs(id, status, priority, created_ms, idempotency_key, request_hash, bytes) "
-                      "VALUES(?,0,?,?,?,?,?)")
+  Database::Statement(
+      db,
+      "INSERT INTO jobs(id, status, priority, created_ms, idempotency_key, request_hash, bytes) "
+      "VALUES(?,0,?,?,?,?,?)")
       .bind(std::string_view(id))
       .bind(std::int64_t(request.priority))
       .bind(now_ms)
@@ -267,9 +279,10 @@ std::optional<JobWork> JobStore::begin(std::int64_t now_ms) {
   Database::Transaction whole(db);
   JobWork work;
   {
-    Database::Statement next(db,
-                             "SELECT jobs.id, target, content_type, accept, body, priority FROM jobs JOIN requests USING(id) "
-                             "WHERE status=0 ORDER BY priority DESC, number LIMIT 1");
+    Database::Statement next(
+        db,
+        "SELECT jobs.id, target, content_type, accept, body, priority FROM jobs JOIN requests USING(id) "
+        "WHERE status=0 ORDER BY priority DESC, number LIMIT 1");
     if (!next.step()) return std::nullopt;
     work = {next.text(0), {next.text(1), next.text(2), next.text(3), next.text(4), int(next.number(5)), {}}};
   }
@@ -304,7 +317,10 @@ void JobStore::succeed(const std::string& id, std::string_view result, std::int6
     std::erase_if(db.progress, [&](const auto& p) { return p.id == id; });
     Database::Transaction whole(db);
     if (!db.finish(id, JobStatus::kSucceeded, {}, now_ms)) return;
-    Database::Statement(db, "INSERT INTO results VALUES(?,?)").bind(std::string_view(id)).bind_blob(result).step();
+    Database::Statement(db, "INSERT INTO results VALUES(?,?)")
+        .bind(std::string_view(id))
+        .bind_blob(result)
+        .step();
     Database::Statement(db, "UPDATE jobs SET bytes=? WHERE id=?")
         .bind(std::int64_t(result.size()))
         .bind(std::string_view(id))

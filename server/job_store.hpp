@@ -45,9 +45,9 @@ struct JobWork {
 
 struct JobLimits {
   int max_waiting = 1000;
-  std::int64_t max_bytes = 4096ll << 20;        // requests and results together
-  std::int64_t keep_ms = 24ll * 3600 * 1000;    // finished ones
-  int max_attempts = 3;                         // that ended with the process
+  std::int64_t max_bytes = 4096ll << 20;      // requests and results together
+  std::int64_t keep_ms = 24ll * 3600 * 1000;  // finished ones
+  int max_attempts = 3;                       // that ended with the process
 };
 
 // One SQLite database, FOLDER/jobs.sqlite, or in memory without a folder. Every change is on the disk when its function returns.

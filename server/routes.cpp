@@ -290,7 +290,8 @@ std::vector<Route> public_routes(const Doors& doors, bool with_metrics) {
   std::vector<Route> routes = operation_routes(doors, with_metrics);
   routes.push_back(
       {"POST", "/v1/renders", [doors](const Request& request) { return post_render(doors, request); }});
-  routes.push_back({"POST", kBatches, [doors](const Request& request) { return post_batch(doors, request); }});
+  routes.push_back(
+      {"POST", kBatches, [doors](const Request& request) { return post_batch(doors, request); }});
   routes.push_back(
       {"GET", "/v1/renders/*", [doors](const Request& request) { return get_render(doors, request); }});
   routes.push_back(

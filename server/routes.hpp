@@ -53,7 +53,7 @@ struct Doors {
   Metrics& metrics;
   api::Capabilities capabilities;  // with the limits that requests are held to
   int max_parts = 64;
-  int max_batch = 256;  // renders
+  int max_batch = 256;                               // renders
   const decode::ProcessDecoder* decoders = nullptr;  // null: files are decoded in this process
   JobDoors* jobs = nullptr;                          // null: every render is waited for
 };

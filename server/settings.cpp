@@ -68,7 +68,8 @@ constexpr std::array kSettings = {
            "after SIGTERM, time for requests at work to end"),
 
     number("job-threads", &Config::job_threads, Unit::kCount, 1, 64, "jobs that are worked on at once"),
-    number("job-queue", &Config::job_queue, Unit::kCount, 0, 1'000'000, "jobs that may wait; more are answered 429"),
+    number("job-queue", &Config::job_queue, Unit::kCount, 0, 1'000'000,
+           "jobs that may wait; more are answered 429"),
     number("job-timeout", &Config::job_timeout_ms, Unit::kDuration, 1, 24 * 3600 * kSecond,
            "time of one job, once it has begun"),
     number("job-ttl", &Config::job_ttl_ms, Unit::kDuration, kSecond, 365ll * 24 * 3600 * kSecond,

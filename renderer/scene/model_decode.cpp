@@ -274,8 +274,8 @@ void add_obj(Bytes document, std::string_view materials, ModelBuilder& builder) 
   const std::string name = "model.obj";  // by whose ending the library takes its reader
   try {
     Assimp::Importer importer;
-    importer.SetIOHandler(
-        new MemoryFiles(name, document, std::as_bytes(std::span(from_first_material(materials)))));  // owns it
+    importer.SetIOHandler(new MemoryFiles(
+        name, document, std::as_bytes(std::span(from_first_material(materials)))));  // owns it
     const aiScene* scene = importer.ReadFile(name, 0);
     if (scene == nullptr) fail_unreadable(ModelFormat::kObj, importer.GetErrorString());
     check_faces(*scene, builder.limits());

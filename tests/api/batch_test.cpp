@@ -67,7 +67,9 @@ TEST(Batch, FaultsHaveTheirPlaces) {
 }
 
 TEST(Batch, ArraysAreNotGrownByIndex) {
-  EXPECT_NE(refusal(R"({"request":{"scene":{"nodes":[]}},"items":[{"changes":{"/scene/nodes/9x/mesh":"a"}}]})"), "accepted");
+  EXPECT_NE(
+      refusal(R"({"request":{"scene":{"nodes":[]}},"items":[{"changes":{"/scene/nodes/9x/mesh":"a"}}]})"),
+      "accepted");
   EXPECT_NE(refusal(R"({"request":{"strict":true},"items":[{"changes":{"/strict/deeper":1}}]})"), "accepted");
 }
 
@@ -83,18 +85,21 @@ TEST(Batch, CountsAreBounded) {
 TEST(Batch, DamageEndsInAnError) {
   const std::string whole =
       R"({"request":{"output":{"width":10}},"items":[{"name":"a","changes":{"/strict":true}}],"vary":[{"pointer":"/output/width","values":[1,2]}]})";
-  for (std::size_t size = 0; size < whole.size(); ++size) EXPECT_NE(refusal(whole.substr(0, size)), "accepted");
+  for (std::size_t size = 0; size < whole.size(); ++size)
+    EXPECT_NE(refusal(whole.substr(0, size)), "accepted");
   std::mt19937 random(1);
   for (int round = 0; round < 3000; ++round) {
     std::string text = whole;
-    for (int edits = 1 + int(random() % 3); edits > 0; --edits) text[random() % text.size()] = char(32 + random() % 95);
+    for (int edits = 1 + int(random() % 3); edits > 0; --edits)
+      text[random() % text.size()] = char(32 + random() % 95);
     refusal(text);
   }
 }
 
 TEST(Batch, TheIndexTellsOfEachItem) {
-  const std::string text = batch_index_json(
-      {{"a", R"({"/output/width":1})", "a.png", "", {{"code", "/p", "what"}}}, {"b", "{}", "", R"({"status":422})", {}}});
+  const std::string text =
+      batch_index_json({{"a", R"({"/output/width":1})", "a.png", "", {{"code", "/p", "what"}}},
+                        {"b", "{}", "", R"({"status":422})", {}}});
   const Document document = Document::parse(text, {});
   const Value items = document.root()["items"];
   ASSERT_EQ(items.size(), 2u);

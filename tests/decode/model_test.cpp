@@ -120,7 +120,8 @@ TEST(ModelDecoders, StatementsBeforeTheFirstMaterialAreOfNone) {
   };
   const PlainModel model = decode("Kd 1 0 0\nmap_Kd newmtl.png\n \t" + mtl_corner());
   ASSERT_EQ(model.materials.size(), decode(mtl_corner()).materials.size());
-  for (const char* materials : {"Kd 1 0 0", "nwmtl full\nKd 0.5 0.25 1\nNs 9", "illum 2\nd 0.5\n", "newmt", "map_Kd newmtl"})
+  for (const char* materials :
+       {"Kd 1 0 0", "nwmtl full\nKd 0.5 0.25 1\nNs 9", "illum 2\nd 0.5\n", "newmt", "map_Kd newmtl"})
     EXPECT_FALSE(decode(materials).materials.empty()) << materials;
 }
 

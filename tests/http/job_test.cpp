@@ -92,7 +92,9 @@ TEST_F(JobStoreTest, BoundsHold) {
   const std::string first = store.create(request("a"), 0).job.id;
   store.create(request("b"), 0);
   EXPECT_NE(refusal([&] { store.create(request("c"), 0); }), "") << "two wait";
-  const auto finish = [&](std::int64_t now_ms) { store.succeed(store.begin(now_ms)->id, std::string(60, 'r'), now_ms); };
+  const auto finish = [&](std::int64_t now_ms) {
+    store.succeed(store.begin(now_ms)->id, std::string(60, 'r'), now_ms);
+  };
   finish(10);
   EXPECT_TRUE(store.result(first));
   finish(20);
@@ -159,7 +161,8 @@ TEST_F(JobStoreTest, WhatWasPutBackHasNotBeenTried) {
 
 TEST_F(JobStoreTest, AForeignFileIsRefused) {
   fs::create_directories(folder_);
-  for (const std::string& content : {std::string("not a database, but long enough to be looked at"), std::string(4096, '\0')}) {
+  for (const std::string& content :
+       {std::string("not a database, but long enough to be looked at"), std::string(4096, '\0')}) {
     std::FILE* file = std::fopen((folder_ / "jobs.sqlite").c_str(), "wb");
     std::fwrite(content.data(), 1, content.size(), file);
     std::fclose(file);
@@ -176,16 +179,15 @@ bool soon(const std::function<bool()>& what) {
 TEST_F(JobStoreTest, ThreadsWorkThroughTheList) {
   JobStore store({}, {});
   std::atomic<int> worked = 0;
-  JobRunner runner(
-      store,
-      [&](const JobRequest& request, const Deadline&, const auto& progress) -> std::string {
-        progress(1, 2);
-        ++worked;
-        if (request.body == "bad") fail(ErrorCode::kUnprocessable, "no such thing", "/scene");
-        if (request.body == "stray") throw std::runtime_error("stray");
-        return "drawn " + request.body;
-      },
-      {2, std::chrono::seconds(10)});
+  JobRunner runner(store,
+                   [&](const JobRequest& request, const Deadline&, const auto& progress) -> std::string {
+                     progress(1, 2);
+                     ++worked;
+                     if (request.body == "bad") fail(ErrorCode::kUnprocessable, "no such thing", "/scene");
+                     if (request.body == "stray") throw std::runtime_error("stray");
+                     return "drawn " + request.body;
+                   },
+                   {2, std::chrono::seconds(10)});
   std::vector<std::string> ids;
   for (const char* body : {"a", "bad", "b", "stray"}) {
     ids.push_back(store.create(request(body), 0).job.id);
@@ -201,16 +203,15 @@ TEST_F(JobStoreTest, ThreadsWorkThroughTheList) {
 TEST_F(JobStoreTest, RemovingEndsTheWork) {
   JobStore store({}, {});
   std::atomic<bool> begun = false, ended = false;
-  JobRunner runner(
-      store,
-      [&](const JobRequest&, const Deadline& deadline, const auto&) -> std::string {
-        begun = true;
-        while (!deadline.passed()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        ended = true;
-        check_deadline(deadline, "draw");
-        return {};
-      },
-      {1, std::chrono::seconds(60)});
+  JobRunner runner(store,
+                   [&](const JobRequest&, const Deadline& deadline, const auto&) -> std::string {
+                     begun = true;
+                     while (!deadline.passed()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                     ended = true;
+                     check_deadline(deadline, "draw");
+                     return {};
+                   },
+                   {1, std::chrono::seconds(60)});
   const std::string id = store.create(request("a"), 0).job.id;
   runner.wake();
   ASSERT_TRUE(soon([&] { return begun.load(); }));
@@ -224,15 +225,14 @@ TEST_F(JobStoreTest, WhatRunsWhenTheServerEndsWaitsAgain) {
   std::atomic<bool> begun = false;
   const std::string id = store.create(request("a"), 0).job.id;
   {
-    JobRunner runner(
-        store,
-        [&](const JobRequest&, const Deadline& deadline, const auto&) -> std::string {
-          begun = true;
-          while (!deadline.passed()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-          check_deadline(deadline, "draw");
-          return {};
-        },
-        {1, std::chrono::seconds(60)});
+    JobRunner runner(store,
+                     [&](const JobRequest&, const Deadline& deadline, const auto&) -> std::string {
+                       begun = true;
+                       while (!deadline.passed()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                       check_deadline(deadline, "draw");
+                       return {};
+                     },
+                     {1, std::chrono::seconds(60)});
     ASSERT_TRUE(soon([&] { return begun.load(); }));
   }
   EXPECT_EQ(store.find(id)->status, JobStatus::kQueued);
