@@ -178,6 +178,10 @@ void Application::stop() {
   log::info("server.stopped");
 }
 
+bool Application::hangs() const {
+  return config_.gl_watchdog_ms > 0 && engine_.renderer.overdue() > milliseconds(config_.gl_watchdog_ms);
+}
+
 std::optional<int> Application::admin_port() const {
   if (!admin_server_) return std::nullopt;
   return admin_server_->port();

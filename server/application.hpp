@@ -53,6 +53,9 @@ class Application {
   // Not ready from now on; requests in flight end, or are cancelled after the drain timeout.
   void stop();
 
+  // The GL thread hangs: only another process draws again.
+  bool hangs() const;
+
   int port() const { return server_.port(); }
   std::optional<int> admin_port() const;
   const Fingerprint& fingerprint() const { return engine_.renderer.fingerprint(); }

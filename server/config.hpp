@@ -28,6 +28,7 @@ struct Config {
   std::int64_t timeout_ms = 30'000;  // of one request, waiting included
   std::int64_t ready_timeout_ms = 10'000;
   std::int64_t drain_timeout_ms = 20'000;
+  std::int64_t gl_watchdog_ms = 60'000;
 
   int job_threads = 1;
   int job_queue = 1000;

@@ -66,6 +66,10 @@ constexpr std::array kSettings = {
            "time of the picture that /readyz draws"),
     number("drain-timeout", &Config::drain_timeout_ms, Unit::kDuration, 0, 3600 * kSecond,
            "after SIGTERM, time for requests at work to end"),
+    number("gl-watchdog", &Config::gl_watchdog_ms, Unit::kDuration, 0, 3600 * kSecond,
+           "how long a drawing may outlive its request's time; then the driver hangs, and the process ends "
+           "with status 3 for "
+           "another to take its place; 0: never"),
 
     number("job-threads", &Config::job_threads, Unit::kCount, 1, 64, "jobs that are worked on at once"),
     number("job-queue", &Config::job_queue, Unit::kCount, 0, 1'000'000,

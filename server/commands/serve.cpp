@@ -1,5 +1,7 @@
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <ctime>
 #include <memory>
 
 #include <fmt/core.h>
@@ -62,8 +64,13 @@ int serve(const LoadedConfig& loaded) {
                                {"fingerprint", application.fingerprint().text()}});
   announce(application, config);
 
-  int signal = 0;
-  sigwait(&signals, &signal);
+  constexpr timespec kLook{1, 0};
+  while (sigtimedwait(&signals, nullptr, &kLook) < 0) {
+    if (!application.hangs()) continue;
+    // The thread that hangs can neither be ended nor waited for. What must outlive the process is on the disk.
+    log::error("gl.hangs", {{"watchdog_ms", config.gl_watchdog_ms}});
+    std::_Exit(kHangs);
+  }
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);  // a second signal ends the process at once
   application.stop();
   return kDone;
