@@ -83,6 +83,12 @@ RegistryConfig registry_config(const Config& config) {
   return out;
 }
 
+std::shared_ptr<const Presets> presets(const Config& config) {
+  if (config.presets.empty()) return std::make_shared<const Presets>();
+  const api::JsonLimits limits{api::RequestLimits{}.max_json_depth, config.max_json_bytes};
+  return std::make_shared<const Presets>(config.presets, limits);
+}
+
 std::vector<std::filesystem::path> paths(const std::vector<std::string>& texts) {
   return {texts.begin(), texts.end()};
 }
@@ -128,7 +134,9 @@ Application::Application(const Config& config)
              metrics_,
              capabilities(config_, engine_.renderer),
              config_.max_parts,
-             engine_.decoders.processes()},
+             engine_.decoders.processes(),
+             presets(config_),
+             {config_.image_max_age_ms / 1000, config_.presets_only == "on"}},
       public_dispatcher_(public_routes(doors_, config_.admin_listen.empty()), metrics_),
       admin_dispatcher_(operation_routes(doors_, true), metrics_),
       admin_server_(

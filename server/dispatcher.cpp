@@ -1,5 +1,6 @@
 #include "server/dispatcher.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <optional>
@@ -78,7 +79,8 @@ void add_common_headers(Reply& reply, const Request& request) {
   if (!request.id.empty()) reply.with("X-Request-Id", request.id);
   reply.with("X-Content-Type-Options", "nosniff");
   reply.with("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'");
-  reply.with("Cross-Origin-Resource-Policy", "same-site");
+  const auto is_policy = [](const auto& header) { return header.first == "Cross-Origin-Resource-Policy"; };
+  if (std::ranges::none_of(reply.headers, is_policy)) reply.with("Cross-Origin-Resource-Policy", "same-site");
   if (reply.status >= 400) reply.with("Cache-Control", "no-store");
 }
 

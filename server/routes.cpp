@@ -143,24 +143,7 @@ void count_render(Metrics& metrics, const RenderSpec& spec, const Rendered& rend
 }
 
 Reply post_render(const Doors& doors, const Request& request) {
-  const RenderSpec spec = parse_spec(read_body(request, doors.max_parts), request.header("Accept"), doors);
-  const ContentHash tag = doors.service.etag(spec);
-  const std::string etag = tag.hex();
-  if (etag_matches(request.header("If-None-Match"), etag)) {
-    doors.metrics.not_modified.Increment();
-    Reply unchanged{304, {}, {}, {}};
-    return with_validators(unchanged, doors, etag, doors.service.keeps(tag));
-  }
-  const Rendered rendered = doors.service.render(spec, request.deadline);
-  const api::StoredRender& image = *rendered.image;
-  count_render(doors.metrics, spec, rendered);
-  Reply reply{200, image.media_type, image.bytes, {}};
-  if (rendered.origin == RenderOrigin::kDrawn)
-    reply.with("Server-Timing", server_timing(stages_of(rendered.times)));
-  reply.with("Cache-Status", cache_status(rendered.origin))
-      .with("Furnace-Notes", notes_field(image.notes))
-      .with("Furnace-Exposure-Ev", fmt::format("{}", image.exposure_ev));
-  return with_validators(reply, doors, etag, doors.service.keeps(tag));
+  return answer_document(doors, request, read_body(request, doors.max_parts));
 }
 
 RenderCache::Pointer kept_render(const Doors& doors, const Request& request, std::string_view prefix) {
@@ -203,6 +186,7 @@ std::string welcome() {
       "Furnace {}: one JSON document describes one picture.\n\n"
       "  curl -X POST http://HOST:PORT/v1/renders -H 'Content-Type: application/json' -d '{{}}' -o "
       "picture.png\n\n"
+      "GET /v1/render?KEY=VALUE  the same in a URL, for <img>; keys are in /openapi.json\n"
       "POST /v1/inspect         what is in a model\n"
       "PUT /v1/environments/NAME  names an HDRI; its report and its baked maps\n"
       "GET /v1/schema.json      every field of the document, with unit, range and default\n"
@@ -235,6 +219,27 @@ Reply get_ready(const Doors& doors) {
 }
 
 }  // namespace
+
+Reply answer_document(const Doors& doors, const Request& request, const RequestBody& body) {
+  const RenderSpec spec = parse_spec(body, request.header("Accept"), doors);
+  const ContentHash tag = doors.service.etag(spec);
+  const std::string etag = tag.hex();
+  if (etag_matches(request.header("If-None-Match"), etag)) {
+    doors.metrics.not_modified.Increment();
+    Reply unchanged{304, {}, {}, {}};
+    return with_validators(unchanged, doors, etag, doors.service.keeps(tag));
+  }
+  const Rendered rendered = doors.service.render(spec, request.deadline);
+  const api::StoredRender& image = *rendered.image;
+  count_render(doors.metrics, spec, rendered);
+  Reply reply{200, image.media_type, image.bytes, {}};
+  if (rendered.origin == RenderOrigin::kDrawn)
+    reply.with("Server-Timing", server_timing(stages_of(rendered.times)));
+  reply.with("Cache-Status", cache_status(rendered.origin))
+      .with("Furnace-Notes", notes_field(image.notes))
+      .with("Furnace-Exposure-Ev", fmt::format("{}", image.exposure_ev));
+  return with_validators(reply, doors, etag, doors.service.keeps(tag));
+}
 
 void Readiness::check(std::chrono::milliseconds timeout) {
   if (draining_) fail(ErrorCode::kGpuUnavailable, "The server is shutting down.");
@@ -286,6 +291,7 @@ std::vector<Route> public_routes(const Doors& doors, bool with_metrics) {
   routes.push_back(document("/openapi.json", kJson, api::openapi_document(version())));
   routes.push_back(document("/v1/capabilities", kJson, api::capabilities_json(doors.capabilities)));
   for (Route& route : environment_routes(doors.environments)) routes.push_back(std::move(route));
+  for (Route& route : image_url_routes(doors)) routes.push_back(std::move(route));
   routes.push_back(document("/", kPlainText, welcome()));
   return routes;
 }

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "api/capabilities.hpp"
 #include "server/dispatcher.hpp"
 #include "server/environment_registry.hpp"
+#include "server/image_url.hpp"
 #include "server/metrics.hpp"
 #include "server/render_service.hpp"
 
@@ -52,7 +54,15 @@ struct Doors {
   api::Capabilities capabilities;  // with the limits that requests are held to
   int max_parts = 64;
   const decode::ProcessDecoder* decoders = nullptr;  // null: files are decoded in this process
+  std::shared_ptr<const Presets> presets = std::make_shared<const Presets>();
+  ImageUrlConfig image_urls = {};
 };
+
+struct RequestBody;
+
+// The picture of a document as POST /v1/renders answers it, or 304. Errors: those of api::parse_render_request and of
+// RenderService::render; kNotAcceptable.
+Reply answer_document(const Doors& doors, const Request& request, const RequestBody& body);
 
 // Health and version; metrics too when `with_metrics`.
 std::vector<Route> operation_routes(const Doors& doors, bool with_metrics);
