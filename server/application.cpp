@@ -121,6 +121,7 @@ Engine::Engine(const Config& config, std::vector<std::filesystem::path> file_roo
 
 Application::Application(const Config& config)
     : config_(config),
+      gate_({config_.api_keys_file, config_.url_keys_file, config_.cors_origins, config_.max_url_bytes}),
       engine_(config_, paths(config_.assets)),
       metrics_(build_id()),
       readiness_([this](const Deadline& deadline) { return engine_.renderer.probe(deadline); },
@@ -137,7 +138,7 @@ Application::Application(const Config& config)
              engine_.decoders.processes(),
              presets(config_),
              {config_.image_max_age_ms / 1000, config_.presets_only == "on"}},
-      public_dispatcher_(public_routes(doors_, config_.admin_listen.empty()), metrics_),
+      public_dispatcher_(public_routes(doors_, config_.admin_listen.empty()), metrics_, &gate_),
       admin_dispatcher_(operation_routes(doors_, true), metrics_),
       admin_server_(
           config_.admin_listen.empty()
@@ -164,6 +165,15 @@ void Application::stop() {
   server_.stop(milliseconds(config_.drain_timeout_ms));
   if (admin_server_) admin_server_->stop(milliseconds(0));
   log::info("server.stopped");
+}
+
+void Application::reload_keys() {
+  try {
+    gate_.reload();
+    log::info("keys.reloaded");
+  } catch (const Error& error) {
+    log::error("keys.kept", {{"message", error.message}, {"detail", error.detail}});
+  }
 }
 
 std::optional<int> Application::admin_port() const {

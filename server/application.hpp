@@ -13,6 +13,7 @@
 #include "server/decoders.hpp"
 #include "server/dispatcher.hpp"
 #include "server/environment_registry.hpp"
+#include "server/gate.hpp"
 #include "server/http_server.hpp"
 #include "server/metrics.hpp"
 #include "server/render_service.hpp"
@@ -52,12 +53,16 @@ class Application {
   // Not ready from now on; requests in flight end, or are cancelled after the drain timeout.
   void stop();
 
+  // Takes the files of keys anew; what is wrong with them is logged, and the old keys stay.
+  void reload_keys();
+
   int port() const { return server_.port(); }
   std::optional<int> admin_port() const;
   const Fingerprint& fingerprint() const { return engine_.renderer.fingerprint(); }
 
  private:
   const Config config_;
+  Gate gate_;
   Engine engine_;
   Metrics metrics_;
   Readiness readiness_;

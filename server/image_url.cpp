@@ -86,8 +86,11 @@ Reply get_image(const Doors& doors, const Request& request) {
     api::point_at_query(error, asked.flat);
     throw;
   }
+  // What a key opened is for its owner's browser, not for a proxy that asks nobody for keys.
+  const bool has_key = request.headers.contains("Authorization") || request.headers.contains("X-Api-Key");
+  const std::string_view kept_by = has_key ? "private" : "public";
   replace(reply, "Cache-Control",
-          fmt::format("public, max-age={0}, stale-while-revalidate={0}", doors.image_urls.max_age_s));
+          fmt::format("{0}, max-age={1}, stale-while-revalidate={1}", kept_by, doors.image_urls.max_age_s));
   if (is_stated) replace(reply, "Vary", {});
   if (reply.status == 200)
     reply.with("Content-Disposition",
@@ -126,12 +129,14 @@ ImageDocument document_of_query(std::string_view query, const Presets& presets, 
 
 std::vector<Route> image_url_routes(const Doors& doors) {
   return {
-      {"GET", "/v1/render", [doors](const Request& request) { return get_image(doors, request); }},
+      {"GET", "/v1/render", [doors](const Request& request) { return get_image(doors, request); },
+       scope::kImageUrl, true},
       {"GET", "/v1/presets",
        [doors](const Request&) {
          return Reply{200, "application/json", doors.presets->names_json(), {}}.with("Cache-Control",
                                                                                      "no-cache");
-       }},
+       },
+       scope::kRender},
   };
 }
 

@@ -174,11 +174,13 @@ Reply get_report(const Doors& doors, const Request& request) {
 // The same text for every request, with its hash as its tag.
 Route document(std::string_view path, std::string_view media_type, std::string text) {
   const std::string etag = hash_bytes(std::as_bytes(std::span(text))).hex();
-  return {"GET", path, [media_type, text = std::move(text), etag](const Request& request) {
+  return {"GET", path,
+          [media_type, text = std::move(text), etag](const Request& request) {
             const bool unchanged = etag_matches(request.header("If-None-Match"), etag);
             Reply reply = unchanged ? Reply{304, {}, {}, {}} : Reply{200, std::string(media_type), text, {}};
             return reply.with("ETag", '"' + etag + '"').with("Cache-Control", "no-cache");
-          }};
+          },
+          scope::kOpen};
 }
 
 std::string welcome() {
@@ -267,25 +269,28 @@ void Readiness::check(std::chrono::milliseconds timeout) {
 
 std::vector<Route> operation_routes(const Doors& doors, bool with_metrics) {
   std::vector<Route> routes = {
-      {"GET", "/livez", [](const Request&) { return plain("alive\n"); }},
-      {"GET", "/readyz", [doors](const Request&) { return get_ready(doors); }},
+      {"GET", "/livez", [](const Request&) { return plain("alive\n"); }, scope::kOpen},
+      {"GET", "/readyz", [doors](const Request&) { return get_ready(doors); }, scope::kOpen},
       document("/version", kJson, api::version_json(doors.capabilities.version)),
   };
   if (with_metrics)
-    routes.push_back({"GET", "/metrics", [doors](const Request&) { return get_metrics(doors); }});
+    routes.push_back(
+        {"GET", "/metrics", [doors](const Request&) { return get_metrics(doors); }, scope::kAdmin});
   return routes;
 }
 
 std::vector<Route> public_routes(const Doors& doors, bool with_metrics) {
   std::vector<Route> routes = operation_routes(doors, with_metrics);
-  routes.push_back(
-      {"POST", "/v1/renders", [doors](const Request& request) { return post_render(doors, request); }});
-  routes.push_back(
-      {"GET", "/v1/renders/*", [doors](const Request& request) { return get_render(doors, request); }});
-  routes.push_back(
-      {"GET", "/v1/reports/*", [doors](const Request& request) { return get_report(doors, request); }});
-  routes.push_back(
-      {"POST", "/v1/inspect", [doors](const Request& request) { return post_inspect(doors, request); }});
+  routes.push_back({"POST", "/v1/renders",
+                    [doors](const Request& request) { return post_render(doors, request); }, scope::kRender,
+                    true});
+  routes.push_back({"GET", "/v1/renders/*",
+                    [doors](const Request& request) { return get_render(doors, request); }, scope::kRender});
+  routes.push_back({"GET", "/v1/reports/*",
+                    [doors](const Request& request) { return get_report(doors, request); }, scope::kRender});
+  routes.push_back({"POST", "/v1/inspect",
+                    [doors](const Request& request) { return post_inspect(doors, request); },
+                    scope::kRender});
   routes.push_back(
       document("/v1/schema.json", "application/schema+json", std::string(api::render_request_schema())));
   routes.push_back(document("/openapi.json", kJson, api::openapi_document(version())));

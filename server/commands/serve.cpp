@@ -13,11 +13,12 @@
 namespace furnace {
 namespace {
 
-sigset_t stop_signals() {
+sigset_t awaited_signals() {
   sigset_t set;
   sigemptyset(&set);
   sigaddset(&set, SIGTERM);
   sigaddset(&set, SIGINT);
+  sigaddset(&set, SIGHUP);  // reads the keys again
   return set;
 }
 
@@ -52,7 +53,7 @@ int serve(const LoadedConfig& loaded) {
   gl::apply_determinism(config.determinism == "exact" ? gl::Determinism::kExact : gl::Determinism::kFast);
 
   // Before any thread, so that all inherit it: only this thread takes them.
-  const sigset_t signals = stop_signals();
+  const sigset_t signals = awaited_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
   Application application(config);
@@ -63,7 +64,7 @@ int serve(const LoadedConfig& loaded) {
   announce(application, config);
 
   int signal = 0;
-  sigwait(&signals, &signal);
+  while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) application.reload_keys();
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);  // a second signal ends the process at once
   application.stop();
   return kDone;
