@@ -12,6 +12,7 @@
 
 #include "renderer/base/content_hash.hpp"
 #include "renderer/base/error.hpp"
+#include "server/api_keys.hpp"
 #include "server/commands/commands.hpp"
 #include "server/crypto.hpp"
 #include "server/key_lines.hpp"
@@ -86,6 +87,9 @@ struct KeyOptions {
 
 int hash_key(const KeyOptions& options) {
   if (!is_key_name(options.name)) fail(ErrorCode::kInvalidRequest, std::string(kKeyNameForm));
+  if (scopes_of(options.scopes) == 0)
+    fail(ErrorCode::kInvalidRequest,
+         fmt::format("'{}' are not scopes: render, assets, admin", options.scopes));
   const std::string secret = random_bytes(kSecretBytes);
   if (options.is_for_urls) {
     fmt::print("{}:{}\n", options.name, hex_of_bytes(secret));
