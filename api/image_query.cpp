@@ -189,8 +189,9 @@ std::string lay_over(std::string_view document, std::span<const QueryPair> pairs
   Json root = *static_cast<const Json*>(Document::parse(document, limits).root().native());
   std::vector<Problem> problems;
   for (const QueryPair& pair : pairs) {
+    if (problems.size() >= kMaxProblems) break;
     const auto refuse = [&](std::string message) {
-      if (problems.size() < kMaxProblems) problems.push_back({query_pointer(pair.name), std::move(message)});
+      problems.push_back({query_pointer(pair.name), std::move(message)});
     };
     const QueryKey* key = find_query_key(pair.name);
     if (key == nullptr) {
