@@ -1,11 +1,15 @@
 #include "api/contract.hpp"
 
+#include "api/image_query.hpp"
 #include "renderer/scene/material.hpp"
 #include "renderer/scene/procedural.hpp"
 #include "renderer/base/check.hpp"
 #include "embedded_contract.hpp"
 
 #include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <utility>
 
 namespace furnace::api {
 namespace {
@@ -30,6 +34,37 @@ void move_references(OrderedJson& node) {
   }
   if (node.is_structured())
     for (OrderedJson& child : node) move_references(child);
+}
+
+// The node of a schema that a document's place `pointer` is held against.
+const OrderedJson& schema_at(const OrderedJson& root, std::string_view pointer) {
+  const OrderedJson* node = &root;
+  while (!pointer.empty()) {
+    while (node->contains("$ref"))
+      node = &root.at(OrderedJson::json_pointer((*node)["$ref"].get_ref<const std::string&>().substr(1)));
+    const std::size_t end = std::min(pointer.find('/', 1), pointer.size());
+    const std::string token(pointer.substr(1, end - 1));
+    pointer.remove_prefix(end);
+    const bool is_item = node->contains("items");
+    FURNACE_CHECK(is_item || node->value("properties", OrderedJson::object()).contains(token),
+                  "the schema has no {}", token);
+    node = is_item ? &(*node)["items"] : &(*node)["properties"][token];
+  }
+  return *node;
+}
+
+// Flat keys stand in one table; what they take is what their place takes.
+void fill_in_query(OrderedJson& document, const OrderedJson& schema) {
+  OrderedJson& parameters = document["paths"]["/v1/render"]["get"]["parameters"];
+  for (const QueryKey& key : query_keys()) {
+    OrderedJson parameter = {{"name", key.name},
+                             {"in", "query"},
+                             {"description", std::string(key.pointer) + " of the document."},
+                             {"schema", schema_at(schema, key.pointer)}};
+    if (key.kind == QueryKind::kNumbers) parameter["explode"] = false;  // 1,2,3
+    move_references(parameter);
+    parameters.push_back(std::move(parameter));
+  }
 }
 
 // Names are written once, in the tables that implement them.
@@ -61,6 +96,7 @@ std::string_view inspect_request_schema() {
 std::string openapi_document(std::string_view version) {
   OrderedJson document = OrderedJson::parse(contract_file("openapi.json"));
   OrderedJson schema = OrderedJson::parse(render_request_schema());
+  fill_in_query(document, schema);
   schema.erase("$schema");
   schema.erase("$id");
   move_references(schema);

@@ -92,6 +92,12 @@ RegistryConfig registry_config(const Config& config) {
   return out;
 }
 
+std::shared_ptr<const Presets> presets(const Config& config) {
+  if (config.presets.empty()) return std::make_shared<const Presets>();
+  const api::JsonLimits limits{api::RequestLimits{}.max_json_depth, config.max_json_bytes};
+  return std::make_shared<const Presets>(config.presets, limits);
+}
+
 std::vector<std::filesystem::path> paths(const std::vector<std::string>& texts) {
   return {texts.begin(), texts.end()};
 }
@@ -124,6 +130,7 @@ Engine::Engine(const Config& config, std::vector<std::filesystem::path> file_roo
 
 Application::Application(const Config& config)
     : config_(config),
+      gate_({config_.api_keys_file, config_.url_keys_file, config_.cors_origins, config_.max_url_bytes}),
       engine_(config_, paths(config_.assets)),
       metrics_(build_id()),
       readiness_([this](const Deadline& deadline) { return engine_.renderer.probe(deadline); },
@@ -140,7 +147,9 @@ Application::Application(const Config& config)
              config_.max_parts,
              config_.max_batch,
              engine_.decoders.processes(),
-             &job_doors_},
+             &job_doors_,
+             presets(config_),
+             {config_.image_max_age_ms / 1000, config_.presets_only == "on"}},
       job_runner_(jobs_,
                   [this](const JobRequest& request, const Deadline& deadline,
                          const RenderService::Progress& progress) {
@@ -148,7 +157,7 @@ Application::Application(const Config& config)
                   },
                   {config_.job_threads, milliseconds(config_.job_timeout_ms)}),
       job_doors_(jobs_, job_runner_, config_.event_streams),
-      public_dispatcher_(public_routes(doors_, config_.admin_listen.empty()), metrics_),
+      public_dispatcher_(public_routes(doors_, config_.admin_listen.empty()), metrics_, &gate_),
       admin_dispatcher_(operation_routes(doors_, true), metrics_),
       admin_server_(
           config_.admin_listen.empty()
@@ -180,6 +189,15 @@ void Application::stop() {
 
 bool Application::hangs() const {
   return config_.gl_watchdog_ms > 0 && engine_.renderer.overdue() > milliseconds(config_.gl_watchdog_ms);
+}
+
+void Application::reload_keys() {
+  try {
+    gate_.reload();
+    log::info("keys.reloaded");
+  } catch (const Error& error) {
+    log::error("keys.kept", {{"message", error.message}, {"detail", error.detail}});
+  }
 }
 
 std::optional<int> Application::admin_port() const {

@@ -13,6 +13,7 @@
 #include "server/decoders.hpp"
 #include "server/dispatcher.hpp"
 #include "server/environment_registry.hpp"
+#include "server/gate.hpp"
 #include "server/http_server.hpp"
 #include "server/job_routes.hpp"
 #include "server/metrics.hpp"
@@ -56,12 +57,16 @@ class Application {
   // The GL thread hangs: only another process draws again.
   bool hangs() const;
 
+  // Takes the files of keys anew; what is wrong with them is logged, and the old keys stay.
+  void reload_keys();
+
   int port() const { return server_.port(); }
   std::optional<int> admin_port() const;
   const Fingerprint& fingerprint() const { return engine_.renderer.fingerprint(); }
 
  private:
   const Config config_;
+  Gate gate_;
   Engine engine_;
   Metrics metrics_;
   Readiness readiness_;

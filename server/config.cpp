@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "server/cors.hpp"
 #include "server/settings.hpp"
 
 namespace furnace {
@@ -95,6 +96,29 @@ void read_flags(const NamedValues& flags, LoadedConfig& loaded) {
   }
 }
 
+// Who reaches the server from elsewhere needs a key, unless the operator says otherwise.
+void check_reach(LoadedConfig& loaded) {
+  const Config& config = loaded.config;
+  const auto is_far = [](const std::string& listen) {
+    const auto address = parse_address(listen);
+    return address && !is_loopback(*address);
+  };
+  if (is_far(config.admin_listen))
+    loaded.warnings.push_back(
+        fmt::format("{} can be reached from other machines, and health and metrics need no key there",
+                    config.admin_listen));
+  if (!is_far(config.listen) || !config.api_keys_file.empty()) return;
+  if (config.allow_anonymous == "on")
+    loaded.warnings.push_back(fmt::format(
+        "{} can be reached from other machines, and there are no API keys: whoever reaches it may use it",
+        config.listen));
+  else
+    loaded.problems.push_back(fmt::format(
+        "listen: {} can be reached from other machines, and there are no API keys: set api-keys-file, "
+        "or allow-anonymous = on",
+        config.listen));
+}
+
 // What no single setting can know.
 void check_together(LoadedConfig& loaded) {
   const Config& config = loaded.config;
@@ -106,14 +130,9 @@ void check_together(LoadedConfig& loaded) {
   if (config.determinism == "exact" && config.device != "auto" && config.device != "software") {
     loaded.problems.push_back("determinism: exact is drawn in software; device must be auto or software");
   }
-  for (const std::string& listen : {config.listen, config.admin_listen}) {
-    const auto address = parse_address(listen);
-    if (address && !is_loopback(*address)) {
-      loaded.warnings.push_back(fmt::format(
-          "{} can be reached from other machines, and there is no authentication: put a gateway before it",
-          listen));
-    }
-  }
+  if (const std::string fault = Cors::fault(config.cors_origins); !fault.empty())
+    loaded.problems.push_back("cors-origins: " + fault);
+  check_reach(loaded);
 }
 
 }  // namespace

@@ -56,6 +56,16 @@ struct Config {
   int decoder_jobs = 200;
   std::int64_t decoder_bytes = 4096ll << 20;
 
+  std::string presets;  // folder of the presets of image URLs; empty: there are none
+  std::string presets_only = "off";
+  std::int64_t image_max_age_ms = 3600'000;
+  std::int64_t max_url_bytes = 8192;
+
+  std::string url_keys_file;  // empty: image URLs need no signature
+  std::string api_keys_file;  // empty: whoever reaches the server may use it
+  std::string cors_origins;   // separated by commas
+  std::string allow_anonymous = "off";
+
   int max_connections = 256;           // waiting for a thread; those beyond are refused
   std::int64_t keep_alive_ms = 1'000;  // an idle connection holds a thread
   std::int64_t header_timeout_ms = 5'000;

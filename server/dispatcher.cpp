@@ -1,5 +1,6 @@
 #include "server/dispatcher.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "renderer/base/log.hpp"
 #include "api/document.hpp"
 #include "api/problem.hpp"
+#include "server/gate.hpp"
 #include "server/metrics.hpp"
 
 namespace furnace {
@@ -50,12 +52,18 @@ std::optional<ErrorCode> code_of(int status) {
 // Phrases of RFC 9110 for the others.
 std::string_view phrase(int status) {
   switch (status) {
+    case 401:
+      return "Unauthorized";
+    case 403:
+      return "Forbidden";
     case 408:
       return "Request Timeout";
     case 414:
       return "URI Too Long";
     case 417:
       return "Expectation Failed";
+    case 429:
+      return "Too Many Requests";
     case 431:
       return "Request Header Fields Too Large";
     case 501:
@@ -71,15 +79,6 @@ std::string blank_problem(const Refusal& refusal, std::string_view request_id) {
                      phrase(refusal.status), refusal.status,
                      api::quoted(refusal.detail, refusal.detail.size()),
                      api::quoted(request_id, request_id.size()));
-}
-
-// On every reply: nothing of ours is a document that may run or fetch anything.
-void add_common_headers(Reply& reply, const Request& request) {
-  if (!request.id.empty()) reply.with("X-Request-Id", request.id);
-  reply.with("X-Content-Type-Options", "nosniff");
-  reply.with("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'");
-  reply.with("Cross-Origin-Resource-Policy", "same-site");
-  if (reply.status >= 400) reply.with("Cache-Control", "no-store");
 }
 
 void log_error(const Error& error, int status) {
@@ -103,8 +102,8 @@ Error internal_error(std::string detail) {
 
 }  // namespace
 
-Dispatcher::Dispatcher(std::vector<Route> routes, Metrics& metrics)
-    : routes_(std::move(routes)), metrics_(metrics) {}
+Dispatcher::Dispatcher(std::vector<Route> routes, Metrics& metrics, Gate* gate)
+    : routes_(std::move(routes)), metrics_(metrics), gate_(gate) {}
 
 Reply Dispatcher::handle(const Request& request) const {
   const log::RequestScope scope(request.id);
@@ -112,14 +111,19 @@ Reply Dispatcher::handle(const Request& request) const {
   metrics_.requests_in_flight.Increment();
   std::string_view route = kNoRoute;
 
-  Reply reply = answer(request, route);
+  Entry entry;
+  Reply reply = answer(request, route, entry);
+  if (gate_ != nullptr) gate_->leave(entry, reply.status);
+  for (const auto& [name, value] : entry.headers) reply.with(name, value);
   add_common_headers(reply, request);
 
   const double seconds = seconds_since(start);
   metrics_.requests_in_flight.Decrement();
   metrics_.observe_request(route, reply.status, seconds);
+  if (!entry.client.empty()) metrics_.observe_client(entry.client, reply.status);
   log::info("request.done", {{"method", request.method},
                              {"path", request.path},
+                             {"client", entry.client},
                              {"status", reply.status},
                              {"ms", seconds * 1e3},
                              {"bytes_in", request.body.size()},
@@ -128,14 +132,20 @@ Reply Dispatcher::handle(const Request& request) const {
 }
 
 // The one catch of the HTTP door.
-Reply Dispatcher::answer(const Request& request, std::string_view& route) const {
+Reply Dispatcher::answer(const Request& request, std::string_view& route, Entry& entry) const {
   try {
     if (request.method == "OPTIONS") {
       const std::string allowed = allowed_methods(request.path);
-      if (!allowed.empty()) return Reply{204, {}, {}, {}}.with("Allow", allowed);
+      if (!allowed.empty()) {
+        Reply reply = Reply{204, {}, {}, {}}.with("Allow", allowed);
+        if (gate_ != nullptr) gate_->cors().add_preflight(reply, request, allowed);
+        return reply;
+      }
     }
     const Route& found = find(request);
     route = found.path;
+    if (gate_ != nullptr) entry = gate_->enter({found.scopes, found.draws}, request);
+    if (entry.refused != 0) return refused(request, {entry.refused, entry.detail});
     return found.handler(request);
   } catch (const Error& error) {
     return problem(request, error);
@@ -175,6 +185,22 @@ Reply Dispatcher::problem(const Request& request, const Error& error) const {
   return reply;
 }
 
+// On every reply: nothing of ours is a document that may run or fetch anything.
+void Dispatcher::add_common_headers(Reply& reply, const Request& request) const {
+  if (!request.id.empty()) reply.with("X-Request-Id", request.id);
+  reply.with("X-Content-Type-Options", "nosniff");
+  reply.with("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'");
+  const auto is_policy = [](const auto& header) { return header.first == "Cross-Origin-Resource-Policy"; };
+  if (std::ranges::none_of(reply.headers, is_policy)) reply.with("Cross-Origin-Resource-Policy", "same-site");
+  if (reply.status >= 400) reply.with("Cache-Control", "no-store");
+  if (gate_ != nullptr) gate_->cors().add(reply, request);
+}
+
+Reply Dispatcher::refused(const Request& request, const Refusal& refusal) const {
+  log::info("request.refused", {{"status", refusal.status}, {"detail", refusal.detail}});
+  return {refusal.status, std::string(api::kProblemMediaType), blank_problem(refusal, request.id), {}};
+}
+
 Reply Dispatcher::refuse(const Request& request, const Refusal& refusal) const {
   const log::RequestScope scope(request.id);
   metrics_.observe_request(kNoRoute, refusal.status, 0);
@@ -182,8 +208,7 @@ Reply Dispatcher::refuse(const Request& request, const Refusal& refusal) const {
   if (const auto code = code_of(refusal.status)) {
     reply = problem(request, {*code, refusal.detail, {}, {}, {}, {}});
   } else {
-    log::info("request.refused", {{"status", refusal.status}, {"detail", refusal.detail}});
-    reply = {refusal.status, std::string(api::kProblemMediaType), blank_problem(refusal, request.id), {}};
+    reply = refused(request, refusal);
   }
   add_common_headers(reply, request);
   return reply;

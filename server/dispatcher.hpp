@@ -8,23 +8,29 @@
 #include <vector>
 
 #include "renderer/base/error.hpp"
+#include "server/access.hpp"
 #include "server/framing.hpp"
 #include "server/http_types.hpp"
 
 namespace furnace {
 
+struct Entry;
+class Gate;
 class Metrics;
 
 struct Route {
   std::string_view method;  // "GET" answers HEAD too
   std::string_view path;    // exact; with "/*" at its end everything below
   std::function<Reply(const Request&)> handler;
+  Scopes scopes = scope::kAdmin;  // whoever forgets to say it has said the safest
+  bool draws = false;             // counts as a render of a key's day
 };
 
-// Threads: any. Owns: the route table; Metrics outlives it.
+// Threads: any. Owns: the route table; Metrics and Gate outlive it.
 class Dispatcher {
  public:
-  Dispatcher(std::vector<Route> routes, Metrics& metrics);
+  // Without a gate whoever comes may use every route.
+  Dispatcher(std::vector<Route> routes, Metrics& metrics, Gate* gate = nullptr);
 
   // Never throws: whatever a handler throws becomes a problem document.
   Reply handle(const Request& request) const;
@@ -39,11 +45,14 @@ class Dispatcher {
  private:
   const Route& find(const Request& request) const;
   std::string allowed_methods(std::string_view path) const;
-  Reply answer(const Request& request, std::string_view& route) const;
+  Reply answer(const Request& request, std::string_view& route, Entry& entry) const;
+  Reply refused(const Request& request, const Refusal& refusal) const;
+  void add_common_headers(Reply& reply, const Request& request) const;
   Reply problem(const Request& request, const Error& error) const;
 
   std::vector<Route> routes_;
   Metrics& metrics_;
+  Gate* gate_;
 };
 
 }  // namespace furnace

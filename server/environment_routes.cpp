@@ -83,10 +83,14 @@ Reply erase(EnvironmentRegistry& registry, const Request& request) {
 std::vector<Route> environment_routes(EnvironmentRegistry& registry) {
   return {
       {"GET", "/v1/environments",
-       [&](const Request&) { return json(200, api::environment_names_json(registry.names())); }},
-      {"GET", "/v1/environments/*", [&](const Request& request) { return get(registry, request); }},
-      {"PUT", "/v1/environments/*", [&](const Request& request) { return put(registry, request); }},
-      {"DELETE", "/v1/environments/*", [&](const Request& request) { return erase(registry, request); }},
+       [&](const Request&) { return json(200, api::environment_names_json(registry.names())); },
+       scope::kRender},
+      {"GET", "/v1/environments/*", [&](const Request& request) { return get(registry, request); },
+       scope::kRender},
+      {"PUT", "/v1/environments/*", [&](const Request& request) { return put(registry, request); },
+       scope::kAssets},
+      {"DELETE", "/v1/environments/*", [&](const Request& request) { return erase(registry, request); },
+       scope::kAssets},
   };
 }
 

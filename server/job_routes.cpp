@@ -185,8 +185,9 @@ Reply JobDoors::remove(const Request& request) {
 }
 
 std::vector<Route> JobDoors::routes() {
-  return {{"GET", "/v1/jobs/*", [this](const Request& request) { return get(request); }},
-          {"DELETE", "/v1/jobs/*", [this](const Request& request) { return remove(request); }}};
+  return {
+      {"GET", "/v1/jobs/*", [this](const Request& request) { return get(request); }, scope::kRender},
+      {"DELETE", "/v1/jobs/*", [this](const Request& request) { return remove(request); }, scope::kRender}};
 }
 
 }  // namespace furnace

@@ -36,7 +36,8 @@ int main(int argc, char** argv) {
   const std::vector<furnace::Command> commands = {
       furnace::serve_command(root),        furnace::render_command(root),  furnace::bake_command(root),
       furnace::inspect_command(root),      furnace::sheet_command(root),   furnace::doctor_command(root),
-      furnace::check_config_command(root), furnace::version_command(root),
+      furnace::check_config_command(root), furnace::version_command(root), furnace::sign_url_command(root),
+      furnace::hash_key_command(root),
   };
   try {
     root.parse(argc, argv);

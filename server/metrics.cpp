@@ -23,6 +23,10 @@ Metrics::Metrics(std::string_view build)
                           .Name("furnace_request_seconds")
                           .Help("From a complete request to its reply, the wait for a seat included")
                           .Register(registry_)),
+      client_requests(BuildCounter()
+                          .Name("furnace_client_requests_total")
+                          .Help("Requests with an API key, by its name")
+                          .Register(registry_)),
       requests_in_flight(BuildGauge()
                              .Name("furnace_requests_in_flight")
                              .Help("Requests being answered")
@@ -106,6 +110,10 @@ Metrics::Metrics(std::string_view build)
 void Metrics::observe_request(std::string_view route, int status, double seconds) {
   requests.Add({{"route", std::string(route)}, {"status", std::to_string(status)}}).Increment();
   request_seconds.Add({{"route", std::string(route)}}, kSecondsBuckets).Observe(seconds);
+}
+
+void Metrics::observe_client(const std::string& client, int status) {
+  client_requests.Add({{"client", client}, {"status", std::to_string(status)}}).Increment();
 }
 
 void Metrics::observe_stages(const StageTimes& times) {

@@ -26,6 +26,7 @@ class Metrics {
 
   prometheus::Family<prometheus::Counter>& requests;           // route, status
   prometheus::Family<prometheus::Histogram>& request_seconds;  // route
+  prometheus::Family<prometheus::Counter>& client_requests;    // client, status
   prometheus::Gauge& requests_in_flight;
   prometheus::Counter& connections_refused;
   prometheus::Counter& clients_gone;
@@ -48,6 +49,7 @@ class Metrics {
   prometheus::Counter& decoder_starts;
 
   void observe_request(std::string_view route, int status, double seconds);
+  void observe_client(const std::string& client, int status);  // a key's name: as many as there are keys
   void observe_stages(const StageTimes& times);
   void observe_decoders(const decode::PoolStats& stats);
 

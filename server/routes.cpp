@@ -125,25 +125,10 @@ void count_render(Metrics& metrics, const RenderSpec& spec, const Rendered& rend
 }
 
 Reply post_render(const Doors& doors, const Request& request) {
-  const RenderSpec spec = parse_spec(read_body(request, doors.max_parts), request.header("Accept"), doors);
-  const ContentHash tag = doors.service.etag(spec);
-  const std::string etag = tag.hex();
-  if (etag_matches(request.header("If-None-Match"), etag)) {
-    doors.metrics.not_modified.Increment();
-    Reply unchanged{304, {}, {}, {}};
-    return with_validators(unchanged, doors, etag, doors.service.keeps(tag));
-  }
-  if (doors.jobs != nullptr && JobDoors::is_asked_for(request)) return doors.jobs->accept(request);
-  const Rendered rendered = doors.service.render(spec, request.deadline);
-  const api::StoredRender& image = *rendered.image;
-  count_render(doors.metrics, spec, rendered);
-  Reply reply{200, image.media_type, image.bytes, {}};
-  if (rendered.origin == RenderOrigin::kDrawn)
-    reply.with("Server-Timing", server_timing(stages_of(rendered.times)));
-  reply.with("Cache-Status", cache_status(rendered.origin))
-      .with("Furnace-Notes", notes_field(image.notes))
-      .with("Furnace-Exposure-Ev", fmt::format("{}", image.exposure_ev));
-  return with_validators(reply, doors, etag, doors.service.keeps(tag));
+  const RequestBody body = read_body(request, doors.max_parts);
+  if (doors.jobs == nullptr || !JobDoors::is_asked_for(request)) return answer_document(doors, request, body);
+  parse_spec(body, request.header("Accept"), doors);  // what is wrong is told at once
+  return doors.jobs->accept(request);
 }
 
 RenderCache::Pointer kept_render(const Doors& doors, const Request& request, std::string_view prefix) {
@@ -174,11 +159,13 @@ Reply get_report(const Doors& doors, const Request& request) {
 // The same text for every request, with its hash as its tag.
 Route document(std::string_view path, std::string_view media_type, std::string text) {
   const std::string etag = hash_bytes(std::as_bytes(std::span(text))).hex();
-  return {"GET", path, [media_type, text = std::move(text), etag](const Request& request) {
+  return {"GET", path,
+          [media_type, text = std::move(text), etag](const Request& request) {
             const bool unchanged = etag_matches(request.header("If-None-Match"), etag);
             Reply reply = unchanged ? Reply{304, {}, {}, {}} : Reply{200, std::string(media_type), text, {}};
             return reply.with("ETag", '"' + etag + '"').with("Cache-Control", "no-cache");
-          }};
+          },
+          scope::kOpen};
 }
 
 std::string welcome() {
@@ -186,6 +173,7 @@ std::string welcome() {
       "Furnace {}: one JSON document describes one picture.\n\n"
       "  curl -X POST http://HOST:PORT/v1/renders -H 'Content-Type: application/json' -d '{{}}' -o "
       "picture.png\n\n"
+      "GET /v1/render?KEY=VALUE  the same in a URL, for <img>; keys are in /openapi.json\n"
       "POST /v1/inspect         what is in a model\n"
       "PUT /v1/environments/NAME  names an HDRI; its report and its baked maps\n"
       "GET /v1/schema.json      every field of the document, with unit, range and default\n"
@@ -218,6 +206,27 @@ Reply get_ready(const Doors& doors) {
 }
 
 }  // namespace
+
+Reply answer_document(const Doors& doors, const Request& request, const RequestBody& body) {
+  const RenderSpec spec = parse_spec(body, request.header("Accept"), doors);
+  const ContentHash tag = doors.service.etag(spec);
+  const std::string etag = tag.hex();
+  if (etag_matches(request.header("If-None-Match"), etag)) {
+    doors.metrics.not_modified.Increment();
+    Reply unchanged{304, {}, {}, {}};
+    return with_validators(unchanged, doors, etag, doors.service.keeps(tag));
+  }
+  const Rendered rendered = doors.service.render(spec, request.deadline);
+  const api::StoredRender& image = *rendered.image;
+  count_render(doors.metrics, spec, rendered);
+  Reply reply{200, image.media_type, image.bytes, {}};
+  if (rendered.origin == RenderOrigin::kDrawn)
+    reply.with("Server-Timing", server_timing(stages_of(rendered.times)));
+  reply.with("Cache-Status", cache_status(rendered.origin))
+      .with("Furnace-Notes", notes_field(image.notes))
+      .with("Furnace-Exposure-Ev", fmt::format("{}", image.exposure_ev));
+  return with_validators(reply, doors, etag, doors.service.keeps(tag));
+}
 
 void Readiness::check(std::chrono::milliseconds timeout) {
   if (draining_) fail(ErrorCode::kGpuUnavailable, "The server is shutting down.");
@@ -277,27 +286,30 @@ std::string draw_job(const Doors& doors, const JobRequest& job, const Deadline& 
 
 std::vector<Route> operation_routes(const Doors& doors, bool with_metrics) {
   std::vector<Route> routes = {
-      {"GET", "/livez", [](const Request&) { return plain("alive\n"); }},
-      {"GET", "/readyz", [doors](const Request&) { return get_ready(doors); }},
+      {"GET", "/livez", [](const Request&) { return plain("alive\n"); }, scope::kOpen},
+      {"GET", "/readyz", [doors](const Request&) { return get_ready(doors); }, scope::kOpen},
       document("/version", kJson, api::version_json(doors.capabilities.version)),
   };
   if (with_metrics)
-    routes.push_back({"GET", "/metrics", [doors](const Request&) { return get_metrics(doors); }});
+    routes.push_back(
+        {"GET", "/metrics", [doors](const Request&) { return get_metrics(doors); }, scope::kAdmin});
   return routes;
 }
 
 std::vector<Route> public_routes(const Doors& doors, bool with_metrics) {
   std::vector<Route> routes = operation_routes(doors, with_metrics);
-  routes.push_back(
-      {"POST", "/v1/renders", [doors](const Request& request) { return post_render(doors, request); }});
-  routes.push_back(
-      {"POST", kBatches, [doors](const Request& request) { return post_batch(doors, request); }});
-  routes.push_back(
-      {"GET", "/v1/renders/*", [doors](const Request& request) { return get_render(doors, request); }});
-  routes.push_back(
-      {"GET", "/v1/reports/*", [doors](const Request& request) { return get_report(doors, request); }});
-  routes.push_back(
-      {"POST", "/v1/inspect", [doors](const Request& request) { return post_inspect(doors, request); }});
+  routes.push_back({"POST", "/v1/renders",
+                    [doors](const Request& request) { return post_render(doors, request); }, scope::kRender,
+                    true});
+  routes.push_back({"POST", kBatches, [doors](const Request& request) { return post_batch(doors, request); },
+                    scope::kRender, true});
+  routes.push_back({"GET", "/v1/renders/*",
+                    [doors](const Request& request) { return get_render(doors, request); }, scope::kRender});
+  routes.push_back({"GET", "/v1/reports/*",
+                    [doors](const Request& request) { return get_report(doors, request); }, scope::kRender});
+  routes.push_back({"POST", "/v1/inspect",
+                    [doors](const Request& request) { return post_inspect(doors, request); },
+                    scope::kRender});
   routes.push_back(
       document("/v1/schema.json", "application/schema+json", std::string(api::render_request_schema())));
   routes.push_back(document("/openapi.json", kJson, api::openapi_document(version())));
@@ -305,6 +317,7 @@ std::vector<Route> public_routes(const Doors& doors, bool with_metrics) {
   for (Route& route : environment_routes(doors.environments)) routes.push_back(std::move(route));
   if (doors.jobs != nullptr)
     for (Route& route : doors.jobs->routes()) routes.push_back(std::move(route));
+  for (Route& route : image_url_routes(doors)) routes.push_back(std::move(route));
   routes.push_back(document("/", kPlainText, welcome()));
   return routes;
 }

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "api/capabilities.hpp"
 #include "server/dispatcher.hpp"
 #include "server/environment_registry.hpp"
+#include "server/image_url.hpp"
 #include "server/job_routes.hpp"
 #include "server/metrics.hpp"
 #include "server/render_service.hpp"
@@ -56,6 +58,8 @@ struct Doors {
   int max_batch = 256;                               // renders
   const decode::ProcessDecoder* decoders = nullptr;  // null: files are decoded in this process
   JobDoors* jobs = nullptr;                          // null: every render is waited for
+  std::shared_ptr<const Presets> presets = std::make_shared<const Presets>();
+  ImageUrlConfig image_urls = {};
 };
 
 // Errors: those of parse_render_request; kNotAcceptable.
@@ -65,6 +69,10 @@ RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Do
 // Errors: those of that door.
 std::string draw_job(const Doors& doors, const JobRequest& request, const Deadline& deadline,
                      const RenderService::Progress& progress);
+
+// The picture of a document as POST /v1/renders answers it, or 304. Errors: those of api::parse_render_request and of
+// RenderService::render; kNotAcceptable.
+Reply answer_document(const Doors& doors, const Request& request, const RequestBody& body);
 
 // Health and version; metrics too when `with_metrics`.
 std::vector<Route> operation_routes(const Doors& doors, bool with_metrics);

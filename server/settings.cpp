@@ -117,6 +117,28 @@ constexpr std::array kSettings = {
     number("decoder-bytes", &Config::decoder_bytes, Unit::kBytes, 1, 1024 * kGiB,
            "bytes of files after which a child is replaced"),
 
+    text("presets", &Config::presets, Unit::kFolder,
+         "folder of NAME.json, render requests that GET /v1/render?preset=NAME draws"),
+    text("presets-only", &Config::presets_only, Unit::kChoice,
+         "on: GET /v1/render draws presets only, with the keys over them that each lists as furnace:open",
+         "off|on"),
+    number("image-max-age", &Config::image_max_age_ms, Unit::kDuration, 0, 365ll * 24 * 3600 * kSecond,
+           "how long an answer of GET /v1/render may be shown without asking again"),
+    number("max-url", &Config::max_url_bytes, Unit::kBytes, 64, 8192,
+           "longest path and query of a URL; more is 414"),
+    text("url-keys-file", &Config::url_keys_file, Unit::kText,
+         "file of lines KEYID:HEX-SECRET, not to be read by others; GET /v1/render then takes signed URLs "
+         "only (furnace "
+         "sign-url)"),
+    text(
+        "api-keys-file", &Config::api_keys_file, Unit::kText,
+        "file of lines NAME:SCOPES:HEX-SHA256-OF-KEY[:RATE-PER-MINUTE[:RENDERS-PER-DAY]]; all but health and "
+        "documents then needs a key (furnace hash-key)"),
+    text("allow-anonymous", &Config::allow_anonymous, Unit::kChoice,
+         "on: listen to other machines even without API keys", "off|on"),
+    text("cors-origins", &Config::cors_origins, Unit::kText,
+         "origins whose pages may call the API from a browser, separated by ','; '*': all"),
+
     number("max-connections", &Config::max_connections, Unit::kCount, 1, 65536,
            "connections that may wait for a thread; more are refused"),
     number("keep-alive", &Config::keep_alive_ms, Unit::kDuration, 0, 600 * kSecond,

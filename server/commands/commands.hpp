@@ -32,6 +32,8 @@ Command sheet_command(CLI::App& root);
 Command doctor_command(CLI::App& root);
 Command check_config_command(CLI::App& root);
 Command version_command(CLI::App& root);
+Command sign_url_command(CLI::App& root);
+Command hash_key_command(CLI::App& root);
 
 // The options of the table of settings, and what was given.
 // Threads: one. Owns: the texts given; must outlive the parse.

@@ -15,11 +15,12 @@
 namespace furnace {
 namespace {
 
-sigset_t stop_signals() {
+sigset_t awaited_signals() {
   sigset_t set;
   sigemptyset(&set);
   sigaddset(&set, SIGTERM);
   sigaddset(&set, SIGINT);
+  sigaddset(&set, SIGHUP);  // reads the keys again
   return set;
 }
 
@@ -54,7 +55,7 @@ int serve(const LoadedConfig& loaded) {
   gl::apply_determinism(config.determinism == "exact" ? gl::Determinism::kExact : gl::Determinism::kFast);
 
   // Before any thread, so that all inherit it: only this thread takes them.
-  const sigset_t signals = stop_signals();
+  const sigset_t signals = awaited_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
   Application application(config);
@@ -65,7 +66,9 @@ int serve(const LoadedConfig& loaded) {
   announce(application, config);
 
   constexpr timespec kLook{1, 0};
-  while (sigtimedwait(&signals, nullptr, &kLook) < 0) {
+  for (int signal = 0; signal != SIGTERM && signal != SIGINT;) {
+    signal = sigtimedwait(&signals, nullptr, &kLook);
+    if (signal == SIGHUP) application.reload_keys();
     if (!application.hangs()) continue;
     // The thread that hangs can neither be ended nor waited for. What must outlive the process is on the disk.
     log::error("gl.hangs", {{"watchdog_ms", config.gl_watchdog_ms}});

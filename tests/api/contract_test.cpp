@@ -1,12 +1,16 @@
 // What is published is what is implemented: embedded files, OpenAPI with its examples, capabilities, version.
 #include "api/contract.hpp"
 
+#include <map>
+#include <string>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "embedded_contract.hpp"
 
 #include "api/capabilities.hpp"
+#include "api/image_query.hpp"
 #include "api/model_report.hpp"
 #include "api/render_report.hpp"
 #include "renderer/decode/in_process_decoder.hpp"
@@ -70,6 +74,34 @@ TEST(Contract, OpenApiContainsTheSchemaAndTheVersion) {
   const Value place = document.root()["components"]["schemas"]["RenderRequest"];
   EXPECT_EQ(place["properties"].size(), request_schema().document().root()["properties"].size());
   EXPECT_FALSE(place["$ref"]);
+}
+
+TEST(Contract, EveryFlatKeyIsAParameterOfItsKind) {
+  const Document document = openapi();
+  const Value parameters = document.root()["paths"]["/v1/render"]["get"]["parameters"];
+  std::map<std::string, Value, std::less<>> by_name;
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    if (parameters.at(i)["name"]) by_name.emplace(parameters.at(i)["name"].text(), parameters.at(i));
+  for (const char* name : {"r", "preset", "kid", "exp", "sig"}) EXPECT_EQ(by_name.erase(name), 1u) << name;
+  EXPECT_EQ(by_name.size(), query_keys().size());
+  for (const QueryKey& key : query_keys()) {
+    SCOPED_TRACE(key.name);
+    const auto found = by_name.find(key.name);
+    ASSERT_NE(found, by_name.end());
+    Value schema = found->second["schema"];
+    while (schema["$ref"]) schema = follow(document.root(), schema["$ref"].text());
+    const bool is_text = key.kind == QueryKind::kText, is_flag = key.kind == QueryKind::kFlag;
+    if (schema["anyOf"]) {
+      EXPECT_TRUE(is_text);
+      continue;
+    }
+    const std::string_view type = schema["type"].text();
+    const std::string_view number = type == "integer" ? "integer" : "number";
+    EXPECT_EQ(type, is_text                           ? "string"
+                    : is_flag                         ? "boolean"
+                    : key.kind == QueryKind::kNumbers ? "array"
+                                                      : number);
+  }
 }
 
 TEST(Contract, EveryReferenceLeadsSomewhere) {

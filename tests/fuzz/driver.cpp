@@ -16,7 +16,7 @@ constexpr std::string_view kTargetFlag = "--target=";
 
 std::vector<Target> all_targets() {
   std::vector<Target> all;
-  for (const auto rows : {image_targets(), gltf_targets(), mesh_targets(), request_targets()})
+  for (const auto rows : {image_targets(), gltf_targets(), mesh_targets(), request_targets(), url_targets()})
     all.insert(all.end(), rows.begin(), rows.end());
   return all;
 }

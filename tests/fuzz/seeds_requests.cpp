@@ -34,6 +34,17 @@ std::vector<std::string> heads() {
       "Content-Encoding: gzip\nContent-Type: multipart/form-data; boundary=\"a;b\\\"c\"; x=y\n"};
 }
 
+std::vector<std::string> image_urls() {
+  return {"model=file:a%20b.glb&width=640&azimuth=-30.5e0&eye=1,2,3&ground=true&format=webp",
+          "r=eyJvdXRwdXQiOnsid2lkdGgiOjh9fQ&height=6", "preset=shop&kid=k&exp=1800000060&sig=AAAA"};
+}
+
+std::vector<std::string> key_files() {
+  const std::string hash(64, 'a'), secret(64, '7');
+  return {"# ours\nshop:render:" + hash + ":60:1000\nci:render,assets,admin:" + std::string(64, 'b') +
+          "\r\n" + '\0' + "k1:" + secret + "\n\nk2:" + secret + secret + "\n"};
+}
+
 // The fields of run_reply (request_targets.cpp): an answer as a decoder's process writes it.
 template <class Result>
 std::string reply_input(unsigned job, const Result& result) {
@@ -92,6 +103,10 @@ void add_request_seeds(Seeds& seeds) {
   seeds["stored_render"] = {api::encode_stored_render(render).substr(kChecksumLine)};
   seeds["multipart"] = forms();
   seeds["head"] = heads();
+  seeds["image_url"] = image_urls();
+  seeds["keys"] = key_files();
+  seeds["preset"] = {
+      R"({"furnace:open":["width","model"],"output":{"height":480},"scene":{"model":"builtin:torus"}})"};
   seeds["reply"] = replies();
 }
 

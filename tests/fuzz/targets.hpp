@@ -30,6 +30,7 @@ std::span<const Target> image_targets();
 std::span<const Target> gltf_targets();
 std::span<const Target> mesh_targets();
 std::span<const Target> request_targets();
+std::span<const Target> url_targets();
 
 // Takes fields off the front of an input; beyond its end there are zeros. Threads: one. Owns: nothing.
 class Taker {

@@ -107,9 +107,24 @@ TEST(Config, ThePrintedConfigurationIsAConfigurationFile) {
   }
 }
 
-TEST(Config, AnOpenAddressIsWarnedOf) {
-  EXPECT_THAT(from_file("listen = 0.0.0.0:8080\n").warnings, ElementsAre(HasSubstr("authentication")));
-  EXPECT_THAT(from_file("listen = [::1]:8080\n").warnings, IsEmpty());
+TEST(Config, AnOpenAddressNeedsKeysOrAWord) {
+  EXPECT_THAT(from_file("listen = 0.0.0.0:8080\n").problems, ElementsAre(HasSubstr("allow-anonymous")));
+  const LoadedConfig anonymous = from_file("listen = 0.0.0.0:8080\nallow-anonymous = on\n");
+  EXPECT_THAT(anonymous.problems, IsEmpty());
+  EXPECT_THAT(anonymous.warnings, ElementsAre(HasSubstr("no API keys")));
+  const LoadedConfig keys = from_file("listen = 0.0.0.0:8080\napi-keys-file = keys\n");
+  EXPECT_THAT(keys.problems, IsEmpty());
+  EXPECT_THAT(keys.warnings, IsEmpty());
+  EXPECT_THAT(from_file("admin-listen = 0.0.0.0:8081\n").warnings, ElementsAre(HasSubstr("0.0.0.0:8081")));
+  for (const char* near : {"listen = [::1]:8080\n", "listen = localhost:8080\nallow-anonymous = on\n"}) {
+    EXPECT_THAT(from_file(near).problems, IsEmpty());
+    EXPECT_THAT(from_file(near).warnings, IsEmpty());
+  }
+}
+
+TEST(Config, Origins) {
+  EXPECT_THAT(from_file("cors-origins = https://example.com,http://localhost:3000\n").problems, IsEmpty());
+  EXPECT_THAT(from_file("cors-origins = example.com\n").problems, ElementsAre(HasSubstr("cors-origins")));
 }
 
 TEST(Config, SettingsThatContradictEachOther) {
