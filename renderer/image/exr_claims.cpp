@@ -112,6 +112,7 @@ void check_size(std::string_view type, const Reader& value) {
   for (const auto& [name, size] : kSizes)
     if (name == type && value.left() != size)
       fail_damaged(kFormat, "an attribute of another size than its type has");
+  if (type == "chlist") parse_channels(value);  // whatever the attribute's name
   if (type != "preview") return;
   Reader preview(value);
   const auto width = preview.number<std::uint32_t>(), height = preview.number<std::uint32_t>();
