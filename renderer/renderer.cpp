@@ -210,6 +210,10 @@ bool Renderer::probe(const Deadline& deadline) {
   return std::all_of(pixels.begin(), pixels.end(), [](float value) { return std::abs(value - 1) <= 5e-3f; });
 }
 
+std::chrono::milliseconds Renderer::overdue() const {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(state_->gl_thread.overdue());
+}
+
 const Fingerprint& Renderer::fingerprint() const {
   return state_->fingerprint;
 }

@@ -93,6 +93,10 @@ class Renderer {
   // Draws a tiny built-in probe and checks its pixels; false when they are wrong.
   bool probe(const Deadline& deadline);
 
+  // For how long the GL thread has worked beyond the time of what it works on: it looks at the time between sub-frames, so more
+  // than some seconds mean that a driver does not come back.
+  std::chrono::milliseconds overdue() const;
+
   const Fingerprint& fingerprint() const;
   const gl::Limits& limits() const;
 

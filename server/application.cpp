@@ -75,6 +75,15 @@ api::Capabilities capabilities(const Config& config, const Renderer& renderer) {
   return out;
 }
 
+JobLimits job_limits(const Config& config) {
+  constexpr std::int64_t kMostInMemory = 256ll << 20;
+  JobLimits limits;
+  limits.max_waiting = config.job_queue;
+  limits.max_bytes = config.data.empty() ? std::min(config.job_bytes, kMostInMemory) : config.job_bytes;
+  limits.keep_ms = config.job_ttl_ms;
+  return limits;
+}
+
 RegistryConfig registry_config(const Config& config) {
   RegistryConfig out;
   if (!config.data.empty()) out.folder = std::filesystem::path(config.data) / "environments";
@@ -126,6 +135,7 @@ Application::Application(const Config& config)
       metrics_(build_id()),
       readiness_([this](const Deadline& deadline) { return engine_.renderer.probe(deadline); },
                  milliseconds(config_.ready_timeout_ms)),
+      jobs_(config_.data, job_limits(config_)),
       doors_{engine_.service,
              engine_.admission,
              engine_.files,
@@ -135,9 +145,18 @@ Application::Application(const Config& config)
              metrics_,
              capabilities(config_, engine_.renderer),
              config_.max_parts,
+             config_.max_batch,
              engine_.decoders.processes(),
+             &job_doors_,
              presets(config_),
              {config_.image_max_age_ms / 1000, config_.presets_only == "on"}},
+      job_runner_(jobs_,
+                  [this](const JobRequest& request, const Deadline& deadline,
+                         const RenderService::Progress& progress) {
+                    return draw_job(doors_, request, deadline, progress);
+                  },
+                  {config_.job_threads, milliseconds(config_.job_timeout_ms)}),
+      job_doors_(jobs_, job_runner_, config_.event_streams),
       public_dispatcher_(public_routes(doors_, config_.admin_listen.empty()), metrics_, &gate_),
       admin_dispatcher_(operation_routes(doors_, true), metrics_),
       admin_server_(
@@ -145,8 +164,9 @@ Application::Application(const Config& config)
               ? nullptr
               : std::make_unique<HttpServer>(http_config(config_, config_.admin_listen, kAdminThreads),
                                              admin_dispatcher_, metrics_)),
-      // A waiting request holds its thread.
-      server_(http_config(config_, config_.listen, seats(config_) + config_.queue + kRefusingThreads),
+      // A waiting request holds its thread, and so does a stream of events.
+      server_(http_config(config_, config_.listen,
+                          seats(config_) + config_.queue + config_.event_streams + kRefusingThreads),
               public_dispatcher_, metrics_) {}
 
 void Application::start() {
@@ -174,6 +194,10 @@ void Application::reload_keys() {
   } catch (const Error& error) {
     log::error("keys.kept", {{"message", error.message}, {"detail", error.detail}});
   }
+}
+
+bool Application::hangs() const {
+  return config_.gl_watchdog_ms > 0 && engine_.renderer.overdue() > milliseconds(config_.gl_watchdog_ms);
 }
 
 std::optional<int> Application::admin_port() const {

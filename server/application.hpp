@@ -15,6 +15,7 @@
 #include "server/environment_registry.hpp"
 #include "server/gate.hpp"
 #include "server/http_server.hpp"
+#include "server/job_routes.hpp"
 #include "server/metrics.hpp"
 #include "server/render_service.hpp"
 #include "server/routes.hpp"
@@ -55,6 +56,8 @@ class Application {
 
   // Takes the files of keys anew; what is wrong with them is logged, and the old keys stay.
   void reload_keys();
+  // The GL thread hangs: only another process draws again.
+  bool hangs() const;
 
   int port() const { return server_.port(); }
   std::optional<int> admin_port() const;
@@ -66,7 +69,10 @@ class Application {
   Engine engine_;
   Metrics metrics_;
   Readiness readiness_;
+  JobStore jobs_;
   const Doors doors_;
+  JobRunner job_runner_;
+  JobDoors job_doors_;
   const Dispatcher public_dispatcher_;
   const Dispatcher admin_dispatcher_;
   std::unique_ptr<HttpServer> admin_server_;  // null without admin_listen

@@ -28,10 +28,19 @@ struct Config {
   std::int64_t timeout_ms = 30'000;  // of one request, waiting included
   std::int64_t ready_timeout_ms = 10'000;
   std::int64_t drain_timeout_ms = 20'000;
+  std::int64_t gl_watchdog_ms = 60'000;
+
+  int job_threads = 1;
+  int job_queue = 1000;
+  std::int64_t job_timeout_ms = 600'000;  // of one job, once it has begun
+  std::int64_t job_ttl_ms = 24ll * 3600 * 1000;
+  std::int64_t job_bytes = 4096ll << 20;
+  int event_streams = 8;
 
   std::int64_t max_body_bytes = 64ll << 20;
   std::int64_t max_bodies_bytes = 512ll << 20;
   int max_parts = 64;
+  int max_batch = 256;
   std::int64_t max_json_bytes = 4ll << 20;
   int max_side_px = 4096;
   std::int64_t max_area_px = 16ll << 20;

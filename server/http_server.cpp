@@ -25,6 +25,7 @@
 #include "renderer/base/error.hpp"
 #include "renderer/base/log.hpp"
 #include "server/framing.hpp"
+#include "server/http_translation.hpp"
 #include "server/in_flight.hpp"
 #include "server/metrics.hpp"
 
@@ -63,25 +64,6 @@ thread_local bool refusing_connections = false;
 
 bool has_request_body(std::string_view method) {
   return method == "POST" || method == "PUT" || method == "PATCH";
-}
-
-std::map<std::string, std::string, HeaderLess> joined_headers(const httplib::Headers& headers) {
-  std::map<std::string, std::string, HeaderLess> out;
-  for (const auto& [name, value] : headers) {
-    std::string& joined = out[name];
-    if (!joined.empty()) joined.append(", ");
-    joined.append(value);
-  }
-  // The library puts addresses among the headers.
-  for (const char* added : {"REMOTE_ADDR", "REMOTE_PORT", "LOCAL_ADDR", "LOCAL_PORT"}) out.erase(added);
-  return out;
-}
-
-void fill(httplib::Response& out, Reply reply) {
-  out.status = reply.status;
-  out.body = std::move(reply.body);
-  if (!reply.media_type.empty()) out.set_header("Content-Type", reply.media_type);
-  for (const auto& [name, value] : reply.headers) out.set_header(name, value);
 }
 
 // What ended a read: time, `too_much` or something else.

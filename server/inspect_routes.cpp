@@ -13,7 +13,8 @@ constexpr std::string_view kWholeModel = R"({"model":"part:model"})";
 
 RequestBody read_inspect_body(const Request& request, int max_parts) {
   const std::string type = media_type_essence(request.header("Content-Type"));
-  if (type != "model/gltf-binary" && type != "model/gltf+json") return read_body(request, max_parts);
+  const bool is_model = type.starts_with("model/") || type == "application/octet-stream";
+  if (!is_model) return read_body(request, max_parts);
   return {kWholeModel, {{std::string(kModelPart), Blob(std::string(request.body))}}};
 }
 
@@ -26,8 +27,8 @@ Reply post_inspect(const Doors& doors, const Request& request) {
       api::parse_inspect_request(body.document, assets, doors.capabilities.request);
   const Admission::Seat seat = doors.admission.enter(request.deadline);
   const ModelReport report = with_context("/model", [&] {
-    return inspect_gltf(doors.decoder, *wanted.model, wanted.options, doors.capabilities.import,
-                        request.deadline);
+    return inspect_model(doors.decoder, *wanted.model, wanted.options, doors.capabilities.import,
+                         request.deadline);
   });
   return Reply{200, "application/json", api::model_report_json(report), {}}.with("Cache-Control", "no-store");
 }

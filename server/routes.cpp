@@ -15,6 +15,7 @@
 #include "api/contract.hpp"
 #include "api/document.hpp"
 #include "api/render_request.hpp"
+#include "server/batch_routes.hpp"
 #include "server/build_id.hpp"
 #include "server/environment_routes.hpp"
 #include "server/hash_text.hpp"
@@ -51,25 +52,6 @@ std::string choice_of_file(std::string_view document, const api::RequestLimits& 
   const api::Value output = parsed.root()["output"];
   if (const api::Value container = output["sequence"]["container"]) return container.pointer();
   return output["format"] ? output["format"].pointer() : std::string();
-}
-
-// A format in the document wins, unless Accept excludes it; without one Accept chooses.
-RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Doors& doors) {
-  const OutputFormat preferred = preferred_format(accept);
-  const api::Capabilities& can = doors.capabilities;
-  const AssetResolver assets(doors.files, body.parts, can.import,
-                             [&](const std::string& name) { return doors.environments.find(name); });
-  const RenderSpec spec = api::parse_render_request(body.document, assets, can.request, preferred);
-  const std::string_view media_type = api::media_type_of(spec.output);
-  if (quality_of(accept, media_type) > 0) return spec;
-  if (std::string pointer = choice_of_file(body.document, can.request); !pointer.empty())
-    fail(ErrorCode::kNotAcceptable, fmt::format("This asks for {}, which Accept refuses.", media_type),
-         std::move(pointer));
-  std::vector<std::string_view> types;
-  for (const api::FormatRow& row : api::kFormats) types.push_back(row.media_type);
-  fail(ErrorCode::kNotAcceptable, spec.output.sequence
-                                      ? fmt::format("This sequence is {}, which Accept refuses.", media_type)
-                                      : fmt::format("A render is one of {}.", fmt::join(types, ", ")));
 }
 
 std::string server_timing(const std::vector<api::RenderReport::Stage>& stages) {
@@ -231,6 +213,7 @@ Reply answer_document(const Doors& doors, const Request& request, const RequestB
     Reply unchanged{304, {}, {}, {}};
     return with_validators(unchanged, doors, etag, doors.service.keeps(tag));
   }
+  if (doors.jobs != nullptr && JobDoors::is_asked_for(request)) return doors.jobs->accept(request);
   const Rendered rendered = doors.service.render(spec, request.deadline);
   const api::StoredRender& image = *rendered.image;
   count_render(doors.metrics, spec, rendered);
@@ -267,6 +250,38 @@ void Readiness::check(std::chrono::milliseconds timeout) {
   good_until_ = Clock::now() + std::chrono::seconds(1);
 }
 
+// A format in the document wins, unless Accept excludes it; without one Accept chooses.
+RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Doors& doors) {
+  const OutputFormat preferred = preferred_format(accept);
+  const api::Capabilities& can = doors.capabilities;
+  const AssetResolver assets(doors.files, body.parts, can.import,
+                             [&](const std::string& name) { return doors.environments.find(name); });
+  const RenderSpec spec = api::parse_render_request(body.document, assets, can.request, preferred);
+  const std::string_view media_type = api::media_type_of(spec.output);
+  if (quality_of(accept, media_type) > 0) return spec;
+  if (std::string pointer = choice_of_file(body.document, can.request); !pointer.empty())
+    fail(ErrorCode::kNotAcceptable, fmt::format("This asks for {}, which Accept refuses.", media_type),
+         std::move(pointer));
+  std::vector<std::string_view> types;
+  for (const api::FormatRow& row : api::kFormats) types.push_back(row.media_type);
+  fail(ErrorCode::kNotAcceptable, spec.output.sequence
+                                      ? fmt::format("This sequence is {}, which Accept refuses.", media_type)
+                                      : fmt::format("A render is one of {}.", fmt::join(types, ", ")));
+}
+
+std::string draw_job(const Doors& doors, const JobRequest& job, const Deadline& deadline,
+                     const RenderService::Progress& progress) {
+  Request request;
+  request.headers = {{"Content-Type", job.content_type}};
+  request.body = job.body;
+  const RequestBody body = read_body(request, doors.max_parts);
+  if (job.target == kBatches) return api::encode_stored_render(draw_batch(doors, body, deadline, progress));
+  const RenderSpec spec = parse_spec(body, job.accept, doors);
+  const Rendered rendered = doors.service.render(spec, deadline, progress);
+  count_render(doors.metrics, spec, rendered);
+  return api::encode_stored_render(*rendered.image);
+}
+
 std::vector<Route> operation_routes(const Doors& doors, bool with_metrics) {
   std::vector<Route> routes = {
       {"GET", "/livez", [](const Request&) { return plain("alive\n"); }, scope::kOpen},
@@ -284,6 +299,8 @@ std::vector<Route> public_routes(const Doors& doors, bool with_metrics) {
   routes.push_back({"POST", "/v1/renders",
                     [doors](const Request& request) { return post_render(doors, request); }, scope::kRender,
                     true});
+  routes.push_back({"POST", kBatches, [doors](const Request& request) { return post_batch(doors, request); },
+                    scope::kRender, true});
   routes.push_back({"GET", "/v1/renders/*",
                     [doors](const Request& request) { return get_render(doors, request); }, scope::kRender});
   routes.push_back({"GET", "/v1/reports/*",
@@ -297,6 +314,8 @@ std::vector<Route> public_routes(const Doors& doors, bool with_metrics) {
   routes.push_back(document("/v1/capabilities", kJson, api::capabilities_json(doors.capabilities)));
   for (Route& route : environment_routes(doors.environments)) routes.push_back(std::move(route));
   for (Route& route : image_url_routes(doors)) routes.push_back(std::move(route));
+  if (doors.jobs != nullptr)
+    for (Route& route : doors.jobs->routes()) routes.push_back(std::move(route));
   routes.push_back(document("/", kPlainText, welcome()));
   return routes;
 }

@@ -13,8 +13,10 @@
 #include "server/dispatcher.hpp"
 #include "server/environment_registry.hpp"
 #include "server/image_url.hpp"
+#include "server/job_routes.hpp"
 #include "server/metrics.hpp"
 #include "server/render_service.hpp"
+#include "server/request_body.hpp"
 
 namespace furnace {
 
@@ -53,16 +55,24 @@ struct Doors {
   Metrics& metrics;
   api::Capabilities capabilities;  // with the limits that requests are held to
   int max_parts = 64;
+  int max_batch = 256;                               // renders
   const decode::ProcessDecoder* decoders = nullptr;  // null: files are decoded in this process
+  JobDoors* jobs = nullptr;                          // null: every render is waited for
   std::shared_ptr<const Presets> presets = std::make_shared<const Presets>();
   ImageUrlConfig image_urls = {};
 };
 
-struct RequestBody;
-
-// The picture of a document as POST /v1/renders answers it, or 304. Errors: those of api::parse_render_request and of
-// RenderService::render; kNotAcceptable.
+// The picture of a document as POST /v1/renders answers it, 304, or 202 and a job. Errors: those of parse_spec and of
+// RenderService::render.
 Reply answer_document(const Doors& doors, const Request& request, const RequestBody& body);
+
+// Errors: those of parse_render_request; kNotAcceptable.
+RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Doors& doors);
+
+// A job's work: the request is understood and drawn as POST /v1/renders would. The result is as encode_stored_render writes it.
+// Errors: those of that door.
+std::string draw_job(const Doors& doors, const JobRequest& request, const Deadline& deadline,
+                     const RenderService::Progress& progress);
 
 // Health and version; metrics too when `with_metrics`.
 std::vector<Route> operation_routes(const Doors& doors, bool with_metrics);

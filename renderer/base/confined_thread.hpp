@@ -51,8 +51,8 @@ class ConfinedThread {
   void rebuild(const Deadline& deadline);
 
   std::size_t load() const;  // calls queued and running
-  std::optional<Clock::time_point> running_since()
-      const;  // the begin of the call that runs now, for a watchdog
+  // For how long the call that runs now has outlived its deadline, for a watchdog; 0 when it has not, or none runs.
+  Clock::duration overdue() const;
 
  private:
   enum class Progress { kQueued, kRunning, kEnded };
@@ -60,6 +60,7 @@ class ConfinedThread {
   struct Call {
     void (*run)(void* closure);
     void* closure;
+    Clock::time_point end;
     std::string_view request_id = log::request_id();
     Progress progress = Progress::kQueued;  // belongs to mutex_, like the signal
     std::condition_variable_any progressed{};
@@ -77,7 +78,7 @@ class ConfinedThread {
   mutable std::mutex mutex_;
   std::condition_variable work_arrived_;
   std::deque<Call*> queue_;
-  std::optional<Clock::time_point> running_since_;
+  const Call* running_ = nullptr;
   int callers_ = 0;  // inside of a call, and therefore users of this object
   std::condition_variable callers_left_;
   bool stopping_ = false;
@@ -149,7 +150,7 @@ template <class World>
 template <class Body>
 void ConfinedThread<World>::submit_and_wait(const Deadline& deadline, Body& body) {
   FURNACE_CHECK(std::this_thread::get_id() != thread_.get_id(), "a confined thread would wait for itself");
-  Call call{[](void* closure) { (*static_cast<Body*>(closure))(); }, &body};
+  Call call{[](void* closure) { (*static_cast<Body*>(closure))(); }, &body, deadline.end()};
 
   std::unique_lock lock(mutex_);
   FURNACE_CHECK(!stopping_, "a call to a thread that is being stopped, {} before it", queue_.size());
@@ -179,7 +180,7 @@ void ConfinedThread<World>::work() {
     queue_.pop_front();
     call.progress = Progress::kRunning;
     call.progressed.notify_one();  // the deadline binds the call no longer
-    running_since_ = Clock::now();
+    running_ = &call;
     lock.unlock();
     {
       const log::RequestScope scope(call.request_id);
@@ -190,7 +191,7 @@ void ConfinedThread<World>::work() {
       }
     }
     lock.lock();
-    running_since_.reset();
+    running_ = nullptr;
     call.progress = Progress::kEnded;
     call.progressed.notify_one();  // under the lock: its owner destroys the call as soon as it has the lock
   }
@@ -201,13 +202,14 @@ void ConfinedThread<World>::work() {
 template <class World>
 std::size_t ConfinedThread<World>::load() const {
   const std::lock_guard lock(mutex_);
-  return queue_.size() + (running_since_ ? 1 : 0);
+  return queue_.size() + (running_ ? 1 : 0);
 }
 
 template <class World>
-std::optional<Clock::time_point> ConfinedThread<World>::running_since() const {
+Clock::duration ConfinedThread<World>::overdue() const {
   const std::lock_guard lock(mutex_);
-  return running_since_;
+  const auto now = Clock::now();
+  return running_ && running_->end < now ? now - running_->end : Clock::duration::zero();
 }
 
 }  // namespace furnace

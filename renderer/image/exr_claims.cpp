@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 namespace furnace {
 
@@ -64,7 +65,10 @@ std::vector<ExrChannel> parse_channels(Reader value) {
   std::vector<ExrChannel> channels;
   for (;;) {
     const std::string_view name = value.name();
-    if (name.empty()) return channels;
+    if (name.empty()) {
+      if (value.left() > 0) fail_damaged(kFormat, "its list of channels");
+      return channels;
+    }
     constexpr std::int32_t kHalf = 1;
     const auto type = value.number<std::int32_t>();
     value.take(4);  // perceptual linearity and padding
@@ -78,6 +82,43 @@ std::vector<ExrChannel> parse_channels(Reader value) {
   }
 }
 
+// Bytes of the types whose size the library knows: it passes over the size that is said, and would find another header behind
+// a wrong one than we did.
+void check_size(std::string_view type, const Reader& value) {
+  static constexpr std::pair<std::string_view, std::size_t> kSizes[] = {{"box2i", 16},
+                                                                        {"box2f", 16},
+                                                                        {"chromaticities", 32},
+                                                                        {"compression", 1},
+                                                                        {"double", 8},
+                                                                        {"envmap", 1},
+                                                                        {"deepImageState", 1},
+                                                                        {"float", 4},
+                                                                        {"int", 4},
+                                                                        {"keycode", 28},
+                                                                        {"m33f", 36},
+                                                                        {"m33d", 72},
+                                                                        {"m44f", 64},
+                                                                        {"m44d", 128},
+                                                                        {"lineOrder", 1},
+                                                                        {"v2i", 8},
+                                                                        {"v2f", 8},
+                                                                        {"v2d", 16},
+                                                                        {"rational", 8},
+                                                                        {"tiledesc", 9},
+                                                                        {"v3i", 12},
+                                                                        {"v3f", 12},
+                                                                        {"v3d", 24},
+                                                                        {"timecode", 8}};
+  for (const auto& [name, size] : kSizes)
+    if (name == type && value.left() != size)
+      fail_damaged(kFormat, "an attribute of another size than its type has");
+  if (type != "preview") return;
+  Reader preview(value);
+  const auto width = preview.number<std::uint32_t>(), height = preview.number<std::uint32_t>();
+  if (preview.left() / 4 != std::uint64_t{width} * height || preview.left() % 4 != 0)
+    fail_damaged(kFormat, "a preview of another size than it says");
+}
+
 // One header; nothing when there is none (the end of a multi-part list).
 bool parse_part(Reader& reader, ExrPart& part) {
   bool has_windows[2] = {};
@@ -89,6 +130,7 @@ bool parse_part(Reader& reader, ExrPart& part) {
     }
     const std::string_view type = reader.name();
     const Reader value(reader.take(reader.number<std::uint32_t>()));
+    check_size(type, value);
     if (name == "dataWindow" && type == "box2i") {
       part.data_window = parse_window(value);
       has_windows[0] = true;

@@ -260,11 +260,22 @@ void add_scene(const aiScene& scene, ModelBuilder& builder) {
   }
 }
 
+// Statements before the first material are of none; the library crashes on them (assimp 5.2.5).
+std::string_view from_first_material(std::string_view text) {
+  constexpr std::string_view kBegin = "newmtl";
+  for (std::size_t at = text.find(kBegin); at != text.npos; at = text.find(kBegin, at + 1)) {
+    const std::size_t line = text.find_last_of("\r\n", at) + 1;
+    if (text.substr(line, at - line).find_first_not_of(" \t") == text.npos) return text.substr(at);
+  }
+  return {};
+}
+
 void add_obj(Bytes document, std::string_view materials, ModelBuilder& builder) {
   const std::string name = "model.obj";  // by whose ending the library takes its reader
   try {
     Assimp::Importer importer;
-    importer.SetIOHandler(new MemoryFiles(name, document, std::as_bytes(std::span(materials))));  // owns it
+    importer.SetIOHandler(new MemoryFiles(
+        name, document, std::as_bytes(std::span(from_first_material(materials)))));  // owns it
     const aiScene* scene = importer.ReadFile(name, 0);
     if (scene == nullptr) fail_unreadable(ModelFormat::kObj, importer.GetErrorString());
     check_faces(*scene, builder.limits());

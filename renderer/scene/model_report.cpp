@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "renderer/base/check.hpp"
 #include "renderer/base/error.hpp"
 #include "renderer/scene/gltf_usage.hpp"
 #include "renderer/scene/model_report_parts.hpp"
@@ -88,24 +89,6 @@ void report_extensions(const ReportSource& source, ReportBudget& budget, ModelRe
   report.extensions.unsupported = budget.texts(unsupported);
 }
 
-void report_drawn(const Scene& scene, ModelReport& report) {
-  ModelReport::Drawn& drawn = report.drawn;
-  drawn.instances = std::int64_t(scene.instances.size());
-  drawn.meshes = std::int64_t(scene.meshes.size());
-  drawn.materials = std::int64_t(scene.materials.size());
-  drawn.images = std::int64_t(scene.images.size());
-  for (const Instance& instance : scene.instances) {
-    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
-    const auto indices = std::int64_t(mesh.indices.size());
-    drawn.vertices += std::int64_t(mesh.positions.size());
-    if (mesh.topology == Topology::kPoints) drawn.points += indices;
-    if (mesh.topology == Topology::kLines) drawn.lines += indices / 2;
-    if (mesh.topology == Topology::kTriangles) drawn.triangles += indices / 3;
-  }
-  drawn.bounds = world_bounds(scene);
-  for (const Mesh& mesh : scene.meshes) report.bytes.meshes += std::int64_t(mesh.byte_size());
-}
-
 void report_bytes(const ReportSource& source, ModelReport& report) {
   const Blob& document = source.bundle.document;
   report.bytes.document = std::int64_t(document.size());
@@ -136,12 +119,28 @@ void report_unused(const ReportSource& source, ReportBudget& budget, ModelReport
 
 }  // namespace
 
+void report_drawn(const Scene& scene, ModelReport& report) {
+  ModelReport::Drawn& drawn = report.drawn;
+  drawn.instances = std::int64_t(scene.instances.size());
+  drawn.meshes = std::int64_t(scene.meshes.size());
+  drawn.materials = std::int64_t(scene.materials.size());
+  drawn.images = std::int64_t(scene.images.size());
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
+    const auto indices = std::int64_t(mesh.indices.size());
+    drawn.vertices += std::int64_t(mesh.positions.size());
+    if (mesh.topology == Topology::kPoints) drawn.points += indices;
+    if (mesh.topology == Topology::kLines) drawn.lines += indices / 2;
+    if (mesh.topology == Topology::kTriangles) drawn.triangles += indices / 3;
+  }
+  drawn.bounds = world_bounds(scene);
+  for (const Mesh& mesh : scene.meshes) report.bytes.meshes += std::int64_t(mesh.byte_size());
+}
+
 ModelReport inspect_gltf(Decoder& decoder, const ModelBundle& bundle, const ImportOptions& options,
                          const ImportLimits& limits, const Deadline& deadline,
                          const ReportLimits& report_limits) {
-  if (bundle.format != ModelFormat::kGltf)
-    fail(ErrorCode::kUnsupportedMedia,
-         "only glTF models are inspected; an OBJ, STL or PLY file can be drawn");
+  FURNACE_CHECK(bundle.format == ModelFormat::kGltf, "a model that is no glTF");
   const Scene scene = import_gltf(decoder, bundle, options, limits, deadline);
   check_variant(scene, options.variant);
   const GltfDocument document = read_gltf_document(bundle.document, limits);
@@ -170,6 +169,16 @@ ModelReport inspect_gltf(Decoder& decoder, const ModelBundle& bundle, const Impo
   report_unused(source, budget, report);
   report.notes = notes.take();
   return report;
+}
+
+ModelReport inspect_model(Decoder& decoder, const ModelBundle& bundle, const ImportOptions& options,
+                          const ImportLimits& limits, const Deadline& deadline,
+                          const ReportLimits& report_limits) {
+  if (bundle.format == ModelFormat::kGltf)
+    return inspect_gltf(decoder, bundle, options, limits, deadline, report_limits);
+  if (options.scene >= 0 || options.variant)
+    fail(ErrorCode::kUnprocessable, "is no glTF: it has no scenes and no variants to choose from");
+  return inspect_plain(decoder, bundle, limits, deadline, report_limits);
 }
 
 }  // namespace furnace

@@ -34,7 +34,7 @@ struct ReportList {
 
 struct ModelReport {
   struct Asset {
-    std::string container;  // "glb" or "gltf"
+    std::string container;  // "glb", "gltf", "obj", "stl" or "ply"
     std::string version, generator, copyright;
   };
 
@@ -178,6 +178,13 @@ struct ModelReport {
   Unused unused;
   std::vector<Note> notes;  // what a render would tell, and what only a report finds
 };
+
+// Of a model of any format. Of one that is no glTF the parts that it was imported as are its meshes, each once drawn, and the
+// images that its materials use are its textures. Errors: as inspect_gltf, or import_model; kUnprocessable for a scene or a
+// variant of what has none.
+ModelReport inspect_model(Decoder& decoder, const ModelBundle& bundle, const ImportOptions& options,
+                          const ImportLimits& limits, const Deadline& deadline,
+                          const ReportLimits& report_limits = {});
 
 // Reads the model as a render does, except that no image is decoded: of these the headers are read. Errors: those of
 // import_gltf, so what cannot be drawn has no report; kUnprocessable for a variant that the model does not have.

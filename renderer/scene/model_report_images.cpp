@@ -19,20 +19,14 @@ std::optional<int> image_of(const GltfDocument& document, int texture) {
   return images.empty() ? std::nullopt : std::optional(images.front());
 }
 
-// How the materials read each image.
-struct Wanted {
-  bool as_color = false;
-  bool as_numbers = false;
-};
-
-std::vector<Wanted> wanted_images(const GltfDocument& document) {
-  std::vector<Wanted> wanted(document.images.size());
+std::vector<ImageWanted> wanted_images(const GltfDocument& document) {
+  std::vector<ImageWanted> wanted(document.images.size());
   for (const GltfMaterial& material : document.materials) {
     for (std::size_t use = 0; use < kTextureUses; ++use) {
       if (!material.textures[use]) continue;
       const std::optional<int> image = image_of(document, material.textures[use]->texture);
       if (!image) continue;
-      Wanted& entry = wanted[static_cast<std::size_t>(*image)];
+      ImageWanted& entry = wanted[static_cast<std::size_t>(*image)];
       (is_color_texture(material.values, TextureUse(use)) ? entry.as_color : entry.as_numbers) = true;
     }
   }
@@ -40,7 +34,7 @@ std::vector<Wanted> wanted_images(const GltfDocument& document) {
 }
 
 // Four channels, every level down to a single texel; sRGB has eight bits (renderer/prepare.cpp).
-std::int64_t gpu_bytes(std::int64_t width, std::int64_t height, int bits, const Wanted& wanted) {
+std::int64_t gpu_bytes(std::int64_t width, std::int64_t height, int bits, const ImageWanted& wanted) {
   std::int64_t texels = 0;
   for (;; width = std::max<std::int64_t>(1, width / 2), height = std::max<std::int64_t>(1, height / 2)) {
     texels += width * height;
@@ -63,7 +57,7 @@ class ImageReporter {
     info.buffer_view = image.buffer_view;
     if (!image.buffer_view) info.uri = is_data_uri(image.uri) ? "data:" : budget_.text(image.uri);
     if (const std::optional<Blob> encoded = bytes_of(image, index)) {
-      describe(*encoded, index, info);
+      describe_image(*encoded, wanted_[index], "/images/" + std::to_string(index), notes_, info);
     } else {
       info.missing = true;
     }
@@ -90,36 +84,43 @@ class ImageReporter {
     return std::nullopt;
   }
 
-  void describe(const Blob& encoded, std::size_t index, ModelReport::ImageInfo& info) {
-    info.encoded_bytes = std::int64_t(encoded.size());
-    const std::optional<ImageHeader> header = read_image_header(encoded.bytes());
-    if (!header) return;
-    info.format = header->format;
-    if (!header->is_complete()) {
-      if (header->format != "AVIF") {
-        notes_.add("image-damaged", "/images/" + std::to_string(index),
-                   "is a " + std::string(header->format) + " whose header cannot be read");
-      }
-      return;
-    }
-    info.width = header->width;
-    info.height = header->height;
-    info.channels = header->channels;
-    info.bits = header->bits;
-    if (info.channels == 0 || std::max(info.width, info.height) > kMaxSidePx) return;
-    info.decoded_bytes = std::int64_t{info.width} * info.height * info.channels * (info.bits / 8);
-    info.gpu_bytes = gpu_bytes(info.width, info.height, info.bits, wanted_[index]);
-  }
-
   const ReportSource& source_;
   ReportBudget& budget_;
   GltfNotes& notes_;
-  const std::vector<Wanted> wanted_;
+  const std::vector<ImageWanted> wanted_;
   std::set<std::string> known_missing_;
   std::vector<std::string> missing_;
 };
 
 }  // namespace
+
+void describe_image(const Blob& encoded, const ImageWanted& wanted, const std::string& pointer,
+                    GltfNotes& notes, ModelReport::ImageInfo& info) {
+  info.encoded_bytes = std::int64_t(encoded.size());
+  const std::optional<ImageHeader> header = read_image_header(encoded.bytes());
+  if (!header) return;
+  info.format = header->format;
+  if (!header->is_complete()) {
+    if (header->format != "AVIF") {
+      notes.add("image-damaged", pointer,
+                "is a " + std::string(header->format) + " whose header cannot be read");
+    }
+    return;
+  }
+  info.width = header->width;
+  info.height = header->height;
+  info.channels = header->channels;
+  info.bits = header->bits;
+  if (info.channels == 0 || std::max(info.width, info.height) > kMaxSidePx) return;
+  info.decoded_bytes = std::int64_t{info.width} * info.height * info.channels * (info.bits / 8);
+  info.gpu_bytes = gpu_bytes(info.width, info.height, info.bits, wanted);
+}
+
+void count_image(const ModelReport::ImageInfo& info, ModelReport& report) {
+  report.bytes.images_encoded += info.encoded_bytes;
+  report.bytes.images_decoded += info.decoded_bytes;
+  report.bytes.images_gpu += info.gpu_bytes;
+}
 
 void report_materials(const ReportSource& source, ReportBudget& budget, ModelReport& report) {
   const GltfDocument& document = source.document;
@@ -152,9 +153,7 @@ void report_images(const ReportSource& source, ReportBudget& budget, GltfNotes& 
   const std::size_t count = source.document.images.size();
   const auto counted = [&](std::size_t i) {
     ModelReport::ImageInfo info = reporter.report(i);
-    report.bytes.images_encoded += info.encoded_bytes;
-    report.bytes.images_decoded += info.decoded_bytes;
-    report.bytes.images_gpu += info.gpu_bytes;
+    count_image(info, report);
     return info;
   };
   report.images = budget.list<ModelReport::ImageInfo>(count, counted);

@@ -47,13 +47,28 @@ struct ReportSource {
   const Deadline& deadline;
 };
 
+// model_report.cpp
+void report_drawn(const Scene& scene, ModelReport& report);
+
 // model_report_meshes.cpp
 void report_meshes(const ReportSource& source, ReportBudget& budget, ModelReport& report);
 void report_animations(const ReportSource& source, const Scene& scene, ReportBudget& budget,
                        ModelReport& report);
 
 // model_report_images.cpp
+// How the materials read an image.
+struct ImageWanted {
+  bool as_color = false;
+  bool as_numbers = false;
+};
+void describe_image(const Blob& encoded, const ImageWanted& wanted, const std::string& pointer,
+                    GltfNotes& notes, ModelReport::ImageInfo& info);
+void count_image(const ModelReport::ImageInfo& info, ModelReport& report);
 void report_materials(const ReportSource& source, ReportBudget& budget, ModelReport& report);
 void report_images(const ReportSource& source, ReportBudget& budget, GltfNotes& notes, ModelReport& report);
+
+// model_report_plain.cpp
+ModelReport inspect_plain(Decoder& decoder, const ModelBundle& bundle, const ImportLimits& limits,
+                          const Deadline& deadline, const ReportLimits& report_limits);
 
 }  // namespace furnace

@@ -16,6 +16,7 @@ namespace furnace {
 inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;  // the thing asked for failed
 inline constexpr int kWrongUsage = 2;
+inline constexpr int kHangs = 3;  // of serve: the GL driver does not come back
 
 // `run` returns the exit status; an Error that it throws is told by main.
 struct Command {

@@ -38,8 +38,8 @@ int inspect(const Arguments& arguments) {
   const ImportLimits limits;
   ImportOptions options = arguments.options;
   if (!arguments.variant.empty()) options.variant = arguments.variant;
-  const ModelReport report = inspect_gltf(decode::in_process_decoder(), *read_model(arguments.input, limits),
-                                          options, limits, Deadline());
+  const ModelReport report = inspect_model(decode::in_process_decoder(), *read_model(arguments.input, limits),
+                                           options, limits, Deadline());
   const std::string text = arguments.text ? api::model_report_text(report) : api::model_report_json(report);
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
     fail(ErrorCode::kStorage, "could not write to standard output");
@@ -51,7 +51,8 @@ int inspect(const Arguments& arguments) {
 Command inspect_command(CLI::App& root) {
   CLI::App* command = root.add_subcommand("inspect", "Prints what is in a model, as JSON");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("input", arguments->input, "MODEL.glb, MODEL.gltf, or - for standard input")
+  command
+      ->add_option("input", arguments->input, "MODEL.glb, .gltf, .obj, .stl or .ply, or - for standard input")
       ->required();
   command->add_option("--scene", arguments->options.scene, "index of the glTF scene that counts as drawn")
       ->check(CLI::Range(0, 1'000'000));

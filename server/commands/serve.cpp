@@ -1,5 +1,7 @@
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <ctime>
 #include <memory>
 
 #include <fmt/core.h>
@@ -63,8 +65,15 @@ int serve(const LoadedConfig& loaded) {
                                {"fingerprint", application.fingerprint().text()}});
   announce(application, config);
 
-  int signal = 0;
-  while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) application.reload_keys();
+  constexpr timespec kLook{1, 0};
+  for (int signal = SIGHUP; signal <= 0 || signal == SIGHUP;) {
+    signal = sigtimedwait(&signals, nullptr, &kLook);
+    if (signal == SIGHUP) application.reload_keys();
+    if (signal > 0 || !application.hangs()) continue;
+    // The thread that hangs can neither be ended nor waited for. What must outlive the process is on the disk.
+    log::error("gl.hangs", {{"watchdog_ms", config.gl_watchdog_ms}});
+    std::_Exit(kHangs);
+  }
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);  // a second signal ends the process at once
   application.stop();
   return kDone;

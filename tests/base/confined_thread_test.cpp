@@ -233,14 +233,25 @@ TEST(ConfinedThread, TellsWhatItIsDoing) {
   auto thread = make_thread();
   {
     Blocker blocker(thread);
-    const auto since = thread.running_since();
-    ASSERT_TRUE(since);
-    EXPECT_LE(*since, Clock::now());
     EXPECT_EQ(thread.load(), 1u);
+    EXPECT_EQ(thread.overdue(), Clock::duration::zero()) << "it has all the time";
   }
   thread.call(kNever, [](World&) {});
   EXPECT_EQ(thread.load(), 0u);
-  EXPECT_FALSE(thread.running_since());
+}
+
+TEST(ConfinedThread, TellsForHowLongACallHasOutlivedItsDeadline) {
+  auto thread = make_thread();
+  using std::chrono::milliseconds;
+  Clock::duration before{}, after{};
+  thread.call(Deadline(milliseconds(30)), [&](World&) {
+    before = thread.overdue();
+    std::this_thread::sleep_for(milliseconds(80));
+    after = thread.overdue();
+  });
+  EXPECT_EQ(before, Clock::duration::zero());
+  EXPECT_GE(after, milliseconds(50));
+  EXPECT_EQ(thread.overdue(), Clock::duration::zero());
 }
 
 // Many callers, deadlines that pass at all moments of a call: every call either ran or was withdrawn, never

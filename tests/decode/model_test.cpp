@@ -111,6 +111,20 @@ int survive(const ModelFile& file) {
   }
 }
 
+// On these the library crashes, and this decoder has no process of its own.
+TEST(ModelDecoders, StatementsBeforeTheFirstMaterialAreOfNone) {
+  const auto decode = [](const std::string& materials) {
+    const std::string document = obj_corner();
+    return in_process_decoder().model(std::as_bytes(std::span(document)), materials, ModelFormat::kObj,
+                                      small_limits(), Deadline());
+  };
+  const PlainModel model = decode("Kd 1 0 0\nmap_Kd newmtl.png\n \t" + mtl_corner());
+  ASSERT_EQ(model.materials.size(), decode(mtl_corner()).materials.size());
+  for (const char* materials :
+       {"Kd 1 0 0", "nwmtl full\nKd 0.5 0.25 1\nNs 9", "illum 2\nd 0.5\n", "newmt", "map_Kd newmtl"})
+    EXPECT_FALSE(decode(materials).materials.empty()) << materials;
+}
+
 TEST(ModelDecoders, TruncationsEndWell) {
   for (const ModelFile& file : model_files()) {
     const std::size_t step = std::max<std::size_t>(1, file.document.size() / 4);

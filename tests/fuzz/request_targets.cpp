@@ -2,9 +2,11 @@
 #include <array>
 #include <optional>
 
+#include "api/batch_request.hpp"
 #include "api/contract.hpp"
 #include "api/inspect_request.hpp"
 #include "api/problem.hpp"
+#include "api/stored_render.hpp"
 #include "renderer/base/check.hpp"
 #include "renderer/base/error.hpp"
 #include "renderer/decode/channel.hpp"
@@ -52,6 +54,28 @@ void run_inspect_request(Input input) {
   expect_problem([&] {
     api::parse_inspect_request(text_of(input), AssetResolver(files, parts, small_import_limits()), {});
   });
+}
+
+// Every item is a document, and so are its changes.
+void run_batch(Input input) {
+  constexpr int kMostItems = 50;
+  expect_problem([&] {
+    const auto items = api::parse_batch(text_of(input), {}, kMostItems);
+    FURNACE_CHECK(!items.empty() && items.size() <= kMostItems, "{} items", items.size());
+    for (const api::BatchItem& item : items) {
+      FURNACE_CHECK(!item.name.empty() && item.name.find('/') == std::string::npos, "{}", item.name);
+      api::Document::parse(item.changes, {});
+      api::Document::parse(item.document, {});
+    }
+  });
+}
+
+// Input: what stands behind the checksum, which chance does not find.
+void run_stored_render(Input input) {
+  const std::string content(text_of(input));
+  const api::StoredRender render = api::decode_stored_render(hash_bytes(input).hex() + "\n" + content);
+  const api::StoredRender again = api::decode_stored_render(api::encode_stored_render(render));
+  FURNACE_CHECK(again.bytes == render.bytes && again.frames == render.frames, "another render");
 }
 
 // Input: the Content-Type; behind a zero byte the body.
@@ -183,6 +207,8 @@ constexpr std::size_t kMostDocumentBytes = 8 << 10, kMostHeadBytes = 2 << 10, kM
 constexpr std::array kTargets = {
     Target{"request", run_request, kMostDocumentBytes, mutate_json},
     Target{"inspect_request", run_inspect_request, kMostHeadBytes, mutate_json},
+    Target{"batch", run_batch, kMostHeadBytes, mutate_json},
+    Target{"stored_render", run_stored_render, kMostHeadBytes, mutate_bytes},
     Target{"multipart", run_multipart, kMostDocumentBytes, mutate_bytes},
     Target{"head", run_head, kMostHeadBytes, mutate_bytes},
     Target{"reply", run_reply, kMostReplyBytes, mutate_bytes},

@@ -4,6 +4,7 @@
 
 #include "renderer/decode/in_process_decoder.hpp"
 #include "renderer/decode/messages.hpp"
+#include "api/stored_render.hpp"
 #include "tests/api/request_fixture.hpp"
 #include "tests/fuzz/seeds.hpp"
 #include "tests/support/model_files.hpp"
@@ -94,6 +95,12 @@ void add_request_seeds(Seeds& seeds) {
   seeds["inspect_request"] = {R"({"model":"part:model.gltf"})",
                               R"({"model":"part:model.gltf","gltfScene":1,"variant":"a"})",
                               R"({"model":"data:model/gltf+json;base64,e30="})"};
+  seeds["batch"] = {
+      R"({"items":[{"name":"a","changes":{"/camera/orbit/azimuthDegrees":0}},{}]})",
+      R"({"request":{"output":{"width":9}},"vary":[{"pointer":"/output/width","values":[1,2]},{"pointer":"/strict","values":[true]}]})"};
+  const api::StoredRender render{"bytes", "image/png", 0.5, 2, {{"code", "/p", "what"}}, "{}"};
+  constexpr std::size_t kChecksumLine = 65;
+  seeds["stored_render"] = {api::encode_stored_render(render).substr(kChecksumLine)};
   seeds["multipart"] = forms();
   seeds["head"] = heads();
   seeds["image_url"] = image_urls();

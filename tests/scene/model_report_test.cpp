@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/scene/gltf_samples.hpp"
+#include "tests/support/model_files.hpp"
 
 namespace furnace::testing {
 namespace {
@@ -247,6 +248,63 @@ TEST(ModelReport, RealModels) {
   EXPECT_THAT(helmet.missing_files.items, IsEmpty());
   EXPECT_EQ(helmet.images.size(), 15);
   for (const auto& image : helmet.images.items) EXPECT_EQ(image.format, "PNG") << image.uri;
+}
+
+ModelReport inspect_plain_model(const std::string& document, ModelFormat format,
+                                std::map<std::string, Blob> siblings = {}) {
+  ModelBundle bundle;
+  bundle.document = Blob(document);
+  bundle.format = format;
+  bundle.siblings = std::move(siblings);
+  bundle.seal();
+  return inspect_model(decode::in_process_decoder(), bundle, {}, {}, Deadline());
+}
+
+TEST(PlainModelReport, TellsWhatWasImported) {
+  const ModelReport report =
+      inspect_plain_model(test::obj_corner(), ModelFormat::kObj, {{"corner.mtl", Blob(test::mtl_corner())}});
+  EXPECT_EQ(report.asset.container, "obj");
+  EXPECT_EQ(report.drawn.triangles, 6);
+  ASSERT_EQ(report.meshes.size(), 2);
+  const ModelReport::Primitive& part = report.meshes.items[0].primitives.items.at(0);
+  EXPECT_EQ(part.elements, 2);
+  EXPECT_EQ(part.mode, 4);
+  ASSERT_TRUE(part.bounds);
+  std::vector<std::string> semantics;
+  for (const ModelReport::Attribute& attribute : part.attributes.items)
+    semantics.push_back(attribute.semantic);
+  EXPECT_THAT(semantics, ::testing::IsSupersetOf({"POSITION", "NORMAL", "TEXCOORD_0"}));
+  EXPECT_EQ(report.materials.size(), 2);
+  EXPECT_EQ(report.bytes.document, std::int64_t(test::obj_corner().size()));
+  EXPECT_EQ(report.drawn.bounds.max, glm::vec3(1));
+}
+
+TEST(PlainModelReport, OfEveryFormat) {
+  const ModelReport stl = inspect_plain_model(test::text_stl(), ModelFormat::kStl);
+  EXPECT_EQ(stl.asset.container, "stl");
+  EXPECT_GT(stl.drawn.triangles, 0);
+  const ModelReport cloud = inspect_plain_model(test::ply_cloud(), ModelFormat::kPly);
+  EXPECT_EQ(cloud.asset.container, "ply");
+  EXPECT_EQ(cloud.drawn.points, 3);
+  EXPECT_EQ(cloud.meshes.items.at(0).primitives.items.at(0).mode, 0);
+}
+
+TEST(PlainModelReport, WhatIsMissingIsTold) {
+  const ModelReport report = inspect_plain_model(test::obj_corner(), ModelFormat::kObj);
+  EXPECT_THAT(report.missing_files.items, ::testing::ElementsAre("corner.mtl"));
+  EXPECT_FALSE(report.notes.empty());
+}
+
+TEST(PlainModelReport, HasNoScenesAndNoVariants) {
+  ModelBundle bundle;
+  bundle.document = Blob(test::text_stl());
+  bundle.format = ModelFormat::kStl;
+  ImportOptions options;
+  options.scene = 0;
+  EXPECT_THROW(inspect_model(decode::in_process_decoder(), bundle, options, {}, Deadline()), Error);
+  options = {};
+  options.variant = "a";
+  EXPECT_THROW(inspect_model(decode::in_process_decoder(), bundle, options, {}, Deadline()), Error);
 }
 
 }  // namespace

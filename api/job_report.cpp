@@ -1,0 +1,33 @@
+#include "api/job_report.hpp"
+
+#include <chrono>
+
+#include <fmt/chrono.h>
+#include <nlohmann/json.hpp>
+
+namespace furnace::api {
+
+namespace {
+
+// RFC 3339, to the millisecond.
+std::string time_text(std::int64_t ms) {
+  const std::chrono::sys_time<std::chrono::milliseconds> time{std::chrono::milliseconds(ms)};
+  return fmt::format("{:%Y-%m-%dT%H:%M:}{:06.3f}Z", std::chrono::floor<std::chrono::seconds>(time),
+                     double(ms % 60'000) / 1000);
+}
+
+}  // namespace
+
+std::string job_report_json(const JobReport& report) {
+  using OrderedJson = nlohmann::ordered_json;
+  OrderedJson json = {{"id", report.id}, {"status", report.status}, {"priority", report.priority}};
+  json["createdAt"] = time_text(report.created_ms);
+  if (report.started_ms > 0) json["startedAt"] = time_text(report.started_ms);
+  if (report.finished_ms > 0) json["finishedAt"] = time_text(report.finished_ms);
+  if (report.frames > 0) json["progress"] = {{"framesDone", report.frames_done}, {"frames", report.frames}};
+  if (!report.result.empty()) json["result"] = report.result;
+  if (!report.problem.empty()) json["problem"] = OrderedJson::parse(report.problem, nullptr, false);
+  return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+}
+
+}  // namespace furnace::api

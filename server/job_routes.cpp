@@ -1,0 +1,193 @@
+#include "server/job_routes.hpp"
+
+#include <charconv>
+#include <memory>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "renderer/base/error.hpp"
+#include "api/job_report.hpp"
+#include "api/stored_render.hpp"
+#include "server/negotiation.hpp"
+
+namespace furnace {
+namespace {
+
+constexpr std::string_view kJobs = "/v1/jobs/", kJson = "application/json";
+constexpr std::string_view kResult = "/result", kEvents = "/events";
+constexpr std::size_t kIdDigits = 32, kMostKeyBytes = 255;
+constexpr int kMostPriority = 9;
+constexpr std::chrono::milliseconds kLook{200}, kSignOfLife{10'000};
+
+std::string location(const std::string& id) {
+  return fmt::format("{}{}", kJobs, id);
+}
+
+std::string report(const Job& job) {
+  api::JobReport report{
+      job.id,          name_of(job.status), job.priority, job.created_ms, job.started_ms, job.finished_ms,
+      job.frames_done, job.frames,          {},           job.problem};
+  if (job.status == JobStatus::kSucceeded) report.result = location(job.id) + std::string(kResult);
+  return api::job_report_json(report);
+}
+
+Reply reply_of(int status, const Job& job) {
+  Reply reply{status, std::string(kJson), report(job) + "\n", {}};
+  reply.with("Cache-Control", "no-store").with("Location", location(job.id));
+  if (!is_finished(job.status)) reply.with("Retry-After", "1");
+  return reply;
+}
+
+[[noreturn]] void fail_unknown() {
+  fail(ErrorCode::kNotFound, "There is no such job. Finished ones are kept for a while only.");
+}
+
+// "/v1/jobs/ID" or "/v1/jobs/ID/WHAT".
+struct Place {
+  std::string id;
+  std::string_view what;
+};
+Place place_of(const Request& request) {
+  const std::string_view rest = std::string_view(request.path).substr(kJobs.size());
+  const std::string_view id = rest.substr(0, kIdDigits);
+  if (id.size() != kIdDigits || id.find_first_not_of("0123456789abcdef") != id.npos) fail_unknown();
+  return {std::string(id), rest.substr(kIdDigits)};
+}
+
+// 0 to 9; the larger, the sooner.
+int priority_of(const Request& request) {
+  const std::string_view text = request.header("Furnace-Priority");
+  if (text.empty()) return 0;
+  int priority = -1;
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), priority);
+  if (fault != std::errc{} || end != text.data() + text.size() || priority < 0 || priority > kMostPriority)
+    fail(ErrorCode::kInvalidRequest,
+         fmt::format("Furnace-Priority is a number from 0 to {}.", kMostPriority));
+  return priority;
+}
+
+// A string of a structured field: draft-ietf-httpapi-idempotency-key-header-07. Bare ones are taken, too.
+std::optional<std::string> idempotency_key(const Request& request) {
+  std::string_view text = request.header("Idempotency-Key");
+  if (text.empty()) return std::nullopt;
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
+  if (text.empty() || text.size() > kMostKeyBytes)
+    fail(ErrorCode::kInvalidRequest, fmt::format("Idempotency-Key has 1 to {} characters.", kMostKeyBytes));
+  return std::string(text);
+}
+
+// HTML, 9.2: server-sent events. One whenever something has changed, the last one when the job is finished.
+class EventStream {
+ public:
+  EventStream(JobStore& store, std::string id, const Deadline& deadline, std::shared_ptr<void> place)
+      : store_(store), id_(std::move(id)), deadline_(deadline), place_(std::move(place)) {}
+
+  // Waits for the next piece. False: it was the last.
+  bool next(std::string& piece) {
+    const auto silent_until = Clock::now() + kSignOfLife;
+    while (!deadline_.passed()) {
+      const std::optional<Job> job = store_.find(id_);
+      if (!job) return false;
+      std::string text = report(*job);
+      if (text != last_) {
+        piece = fmt::format("event: {}\ndata: {}\n\n", name_of(job->status), text);
+        last_ = std::move(text);
+        return !is_finished(job->status);
+      }
+      if (Clock::now() > silent_until) {
+        piece = ": waiting\n\n";
+        return true;
+      }
+      std::this_thread::sleep_for(kLook);
+    }
+    return false;
+  }
+
+ private:
+  JobStore& store_;
+  const std::string id_;
+  const Deadline deadline_;
+  const std::shared_ptr<void> place_;
+  std::string last_;
+};
+
+}  // namespace
+
+bool JobDoors::is_asked_for(const Request& request) {
+  const std::string_view prefer = request.header("Prefer");
+  const std::size_t at = prefer.find("respond-async");
+  if (at == prefer.npos) return false;
+  const std::size_t end = at + std::string_view("respond-async").size();
+  const auto is_edge = [&](std::size_t i) {
+    return std::string_view(", ;\t").find(prefer[i]) != prefer.npos;
+  };
+  return (at == 0 || is_edge(at - 1)) && (end == prefer.size() || is_edge(end));
+}
+
+Reply JobDoors::accept(const Request& request) {
+  const JobRequest wanted{request.path,
+                          std::string(request.header("Content-Type")),
+                          std::string(request.header("Accept")),
+                          request.body,
+                          priority_of(request),
+                          idempotency_key(request)};
+  const JobStore::Created created = store_.create(wanted, unix_time_ms());
+  if (created.is_new) runner_.wake();
+  return reply_of(202, created.job).with("Preference-Applied", "respond-async");
+}
+
+Reply JobDoors::get(const Request& request) {
+  const Place place = place_of(request);
+  if (place.what == kResult) return get_result(request, place.id);
+  if (place.what == kEvents) return get_events(request, place.id);
+  const std::optional<Job> job = place.what.empty() ? store_.find(place.id) : std::nullopt;
+  if (!job) fail_unknown();
+  return reply_of(200, *job);
+}
+
+Reply JobDoors::get_result(const Request& request, const std::string& id) {
+  const std::optional<std::string> file = store_.result(id);
+  if (!file) {
+    const std::optional<Job> job = store_.find(id);
+    if (!job) fail_unknown();
+    fail(ErrorCode::kNotFound, fmt::format("The job has no result: it is {}.", name_of(job->status)));
+  }
+  api::StoredRender render = api::decode_stored_render(*file);
+  const std::string etag = hash_bytes(std::as_bytes(std::span(render.bytes))).hex();
+  const bool unchanged = etag_matches(request.header("If-None-Match"), etag);
+  Reply reply =
+      unchanged ? Reply{304, {}, {}, {}} : Reply{200, render.media_type, std::move(render.bytes), {}};
+  return reply.with("ETag", '"' + etag + '"')
+      .with("Furnace-Exposure-Ev", fmt::format("{}", render.exposure_ev))
+      .with("Cache-Control", "private, max-age=31536000, immutable");
+}
+
+Reply JobDoors::get_events(const Request& request, const std::string& id) {
+  if (!store_.find(id)) fail_unknown();
+  // Each holds a thread.
+  if (++streams_ > max_streams_) {
+    --streams_;
+    fail(ErrorCode::kOverloaded, "Too many streams of events at once; ask for the job itself.");
+  }
+  const std::shared_ptr<void> place(nullptr, [this](void*) { --streams_; });
+  Reply reply{200, "text/event-stream", {}, {}};
+  reply.stream = [stream = std::make_shared<EventStream>(store_, id, request.deadline, place)](
+                     std::string& piece) { return stream->next(piece); };
+  return reply.with("Cache-Control", "no-store");
+}
+
+Reply JobDoors::remove(const Request& request) {
+  const Place place = place_of(request);
+  if (!place.what.empty() || !runner_.remove(place.id)) fail_unknown();
+  return Reply{204, {}, {}, {}};
+}
+
+std::vector<Route> JobDoors::routes() {
+  return {
+      {"GET", "/v1/jobs/*", [this](const Request& request) { return get(request); }, scope::kRender},
+      {"DELETE", "/v1/jobs/*", [this](const Request& request) { return remove(request); }, scope::kRender}};
+}
+
+}  // namespace furnace

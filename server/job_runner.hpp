@@ -1,0 +1,56 @@
+// The threads that work through the list of jobs.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "renderer/base/deadline.hpp"
+#include "server/job_store.hpp"
+
+namespace furnace {
+
+struct JobRunnerConfig {
+  int threads = 1;
+  std::chrono::milliseconds timeout{600'000};  // of one job, once it has begun
+};
+
+std::int64_t unix_time_ms();
+
+// Threads: any. Owns: its threads; the store outlives it. What runs when it ends waits again.
+class JobRunner {
+ public:
+  // What is to be kept as the job's result. Hears how far it is; may throw an Error.
+  using Work = std::function<std::string(const JobRequest& request, const Deadline& deadline,
+                                         const std::function<void(int done, int of)>& progress)>;
+
+  JobRunner(JobStore& store, Work work, const JobRunnerConfig& config);
+  ~JobRunner();
+
+  // There may be something to do.
+  void wake();
+  // As JobStore::remove; work on it ends soon.
+  bool remove(const std::string& id);
+
+ private:
+  void run_thread();
+  bool run_next();
+  void run(const JobWork& work, std::stop_token cancel);
+
+  JobStore& store_;
+  const Work work_;
+  const JobRunnerConfig config_;
+  std::mutex mutex_;  // of the members below
+  std::condition_variable changed_;
+  bool stopping_ = false;
+  std::map<std::string, std::stop_source> running_;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace furnace

@@ -1,0 +1,96 @@
+// Renders that were asked for and are answered later: what they are, how far they are, what came of them. Nothing of it is lost
+// when the process dies.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace furnace {
+
+enum class JobStatus { kQueued, kRunning, kSucceeded, kFailed, kCancelled };
+std::string_view name_of(JobStatus status);  // "queued", ...
+inline bool is_finished(JobStatus status) {
+  return status != JobStatus::kQueued && status != JobStatus::kRunning;
+}
+
+// A request as it came.
+struct JobRequest {
+  std::string target;  // path
+  std::string content_type, accept, body;
+  int priority = 0;                            // larger first; equals in their order
+  std::optional<std::string> idempotency_key;  // of one client's choosing: the same key is the same job
+};
+
+struct Job {
+  std::string id;  // 32 hexadecimal digits
+  JobStatus status = JobStatus::kQueued;
+  int priority = 0;
+  std::int64_t created_ms = 0, started_ms = 0, finished_ms = 0;  // since the epoch; 0: not yet
+  int frames_done = 0, frames = 0;                               // frames 0: not known
+  int attempts = 0;                                              // begun, this one included
+  std::string problem;                                           // problem document, of one that failed
+};
+
+// What a worker takes.
+struct JobWork {
+  std::string id;
+  JobRequest request;
+};
+
+struct JobLimits {
+  int max_waiting = 1000;
+  std::int64_t max_bytes = 4096ll << 20;      // requests and results together
+  std::int64_t keep_ms = 24ll * 3600 * 1000;  // finished ones
+  int max_attempts = 3;                       // that ended with the process
+};
+
+// One SQLite database, FOLDER/jobs.sqlite, or in memory without a folder. Every change is on the disk when its function returns.
+// Errors of all: kStorage.
+// Threads: any. Owns: the database; one object per folder and process.
+class JobStore {
+ public:
+  // What ran when the last process died waits again, unless it has used up its attempts.
+  JobStore(const std::filesystem::path& folder, const JobLimits& limits);
+  ~JobStore();
+
+  struct Created {
+    Job job;
+    bool is_new = true;
+  };
+  // Errors: kOverloaded when as many wait as may; kTooLarge; kUnprocessable at /Idempotency-Key for a key that came with
+  // another request.
+  Created create(const JobRequest& request, std::int64_t now_ms);
+
+  // The next to work on, which is running from now on.
+  std::optional<JobWork> begin(std::int64_t now_ms);
+  // Gives back what was begun: the process ends.
+  void put_back(const std::string& id);
+  void tell_progress(const std::string& id, int frames_done, int frames);
+  // No effect on a job that is not running: it may have been cancelled meanwhile.
+  void succeed(const std::string& id, std::string_view result, std::int64_t now_ms);
+  void fail(const std::string& id, std::string_view problem, std::int64_t now_ms);
+
+  std::optional<Job> find(const std::string& id);
+  // As it was given to succeed.
+  std::optional<std::string> result(const std::string& id);
+  // What waits or runs becomes cancelled, what is finished goes. False: there is no such job.
+  bool remove(const std::string& id, std::int64_t now_ms);
+
+  int waiting();
+  // Forgets what has been finished for long, and the oldest finished ones beyond the bytes that may be kept.
+  void trim(std::int64_t now_ms);
+
+ private:
+  struct Database;
+  std::mutex mutex_;  // of the database and what it prepares
+  std::unique_ptr<Database> database_;
+  const JobLimits limits_;
+};
+
+}  // namespace furnace

@@ -1,0 +1,186 @@
+#!/usr/bin/env python3
+"""Renders that are answered later, with real curl against the real binary."""
+import io
+import json
+import signal
+import tempfile
+import time
+import zipfile
+
+import http_support as support
+from http_support import Case, Server, curl_process, small
+
+ASYNC = ("-H", "Prefer: respond-async")
+
+
+def turning(frames, **output):
+    return {**small(**output, sequence={"frames": frames, "turntableDegrees": 360})}
+
+
+class Jobs(Case):
+    def ask(self, server, document, *flags):
+        answer = server.render(document, *ASYNC, *flags)
+        self.assertEqual(answer.status, 202, answer.body[:500])
+        job = json.loads(answer.body)
+        self.assertEqual(answer.headers["location"], f"/v1/jobs/{job['id']}")
+        self.assertEqual(answer.headers["preference-applied"], "respond-async")
+        return answer.headers["location"]
+
+    def job(self, server, place):
+        answer = server.curl(place)
+        self.assertEqual(answer.status, 200, answer.body[:500])
+        return json.loads(answer.body)
+
+    def wait(self, server, place, status="succeeded"):
+        end = time.monotonic() + support.PATIENCE_S
+        while time.monotonic() < end:
+            job = self.job(server, place)
+            if job["status"] not in ("queued", "running"):
+                self.assertEqual(job["status"], status, job)
+                return job
+            time.sleep(0.05)
+        self.fail("the job does not end")
+
+    def test_the_result_is_the_picture_that_waiting_gives(self):
+        with Server() as server:
+            place = self.ask(server, small())
+            job = self.wait(server, place)
+            self.assertEqual(job["result"], place + "/result")
+            result = server.curl(job["result"])
+            self.expect_picture(result, 48, 32)
+            self.assertEqual(result.body, server.render(small()).body)
+            self.assertEqual(server.curl(job["result"], "-H", f"If-None-Match: {result.headers['etag']}").status, 304)
+            self.assertEqual(server.curl(place, "-X", "DELETE").status, 204)
+            self.expect_problem(server.curl(place), 404)
+            self.expect_problem(server.curl(place + "/result"), 404)
+
+    def test_what_is_wrong_is_told_at_once_or_by_the_job(self):
+        with Server() as server:
+            self.expect_problem(server.render({"output": {"width": 0}}, *ASYNC), 422)
+            self.expect_problem(server.render(small(), *ASYNC, "-H", "Furnace-Priority: high"), 400)
+            model = b'{"asset":{"version":"2.0"}}'
+            with tempfile.NamedTemporaryFile() as file:
+                file.write(model)
+                file.flush()
+                answer = server.curl("/v1/renders", *ASYNC, "-F", 'request={"scene":{"model":"part:model"},"camera":{"gltf":5}};type=application/json',
+                                     "-F", f"model=@{file.name}")
+            job = self.wait(server, answer.headers["location"], "failed")
+            self.assertEqual(job["problem"]["status"], 422)
+            self.expect_problem(server.curl(answer.headers["location"] + "/result"), 404)
+            self.expect_problem(server.curl("/v1/jobs/" + "0" * 32), 404)
+            self.expect_problem(server.curl("/v1/jobs/none"), 404)
+
+    def test_a_batch_is_an_archive_at_once_or_later(self):
+        batch = {"request": small(), "items": [{"name": "front", "changes": {"/camera/orbit/azimuthDegrees": 0}}, {"name": "back"}],
+                 "vary": [{"pointer": "/output/width", "values": [20, 40]}]}
+        with Server() as server:
+            def ask(document, *flags):
+                return server.curl("/v1/batches", "-H", "Content-Type: application/json", "--data-binary", json.dumps(document), *flags)
+
+            answer = ask(batch)
+            self.assertEqual(answer.status, 200, answer.body[:500])
+            with zipfile.ZipFile(io.BytesIO(answer.body)) as archive:
+                index = json.loads(archive.read("index.json"))["items"]
+                self.assertEqual([item["file"] for item in index],
+                                 ["front_001.png", "front_002.png", "back_001.png", "back_002.png"])
+                self.assertEqual(support.read_png(archive.read("back_002.png"))[:2], (40, 32))
+                alone = {**small(width=20), "camera": {"orbit": {"azimuthDegrees": 0}}}
+                self.assertEqual(archive.read("front_001.png"), server.render(alone).body)
+            later = ask(batch, *ASYNC)
+            self.assertEqual(later.status, 202)
+            job = self.wait(server, later.headers["location"])
+            self.assertEqual(server.curl(job["result"]).body, answer.body)
+            # One that cannot be drawn is told in the index; one that cannot be understood ends the batch before it begins.
+            wrong = {"request": small(), "items": [{"name": "a"}, {"name": "b", "changes": {"/camera/gltf": 3}}]}
+            with zipfile.ZipFile(io.BytesIO(ask(wrong).body)) as archive:
+                index = json.loads(archive.read("index.json"))["items"]
+                self.assertEqual((index[0]["file"], index[1]["problem"]["status"]), ("a.png", 422))
+            self.expect_problem(ask({"items": [{"changes": {"/output/width": 0}}]}), 422)
+            self.expect_problem(ask({}), 422)
+            self.expect_problem(ask({"vary": [{"pointer": "/output/width", "values": list(range(1, 300))}]}), 413)
+
+    def test_events_tell_until_the_end(self):
+        with Server() as server:
+            place = self.ask(server, turning(3))
+            stream = server.curl(place + "/events")
+            self.assertEqual(stream.headers["content-type"], "text/event-stream")
+            events = [block.split("\n") for block in stream.body.decode().split("\n\n") if block]
+            self.assertEqual(events[-1][0], "event: succeeded")
+            last = json.loads(events[-1][1].removeprefix("data: "))
+            self.assertEqual(last["id"], place.rsplit("/", 1)[1])
+            self.assertEqual(server.curl(last["result"]).body.count(b"fcTL"), 3)
+
+    def test_a_key_makes_one_job(self):
+        with Server() as server:
+            key = ("-H", 'Idempotency-Key: "8e03978e"')
+            place = self.ask(server, small(), *key)
+            self.assertEqual(self.ask(server, small(), *key), place)
+            self.expect_problem(server.render(small(width=40), *ASYNC, *key), 422)
+            self.wait(server, place)
+            self.assertEqual(self.ask(server, small(), *key), place)
+
+    def test_cancelling_ends_the_work(self):
+        with Server() as server:
+            place = self.ask(server, support.slow())
+            while self.job(server, place)["status"] == "queued":
+                time.sleep(0.02)
+            self.assertEqual(server.curl(place, "-X", "DELETE").status, 204)
+            self.assertEqual(self.job(server, place)["status"], "cancelled")
+            other = self.ask(server, small())
+            self.wait(server, other)
+
+    def test_a_full_queue_and_no_stream_left(self):
+        with Server("--job-queue", "1", "--event-streams", "0") as server:
+            running = self.ask(server, support.slow())
+            while self.job(server, running)["status"] == "queued":
+                time.sleep(0.02)
+            self.ask(server, small())
+            answer = server.render(small(width=20), *ASYNC)
+            self.expect_problem(answer, 429)
+            self.assertTrue(int(answer.headers["retry-after"]) > 0)
+            self.expect_problem(server.curl(running + "/events"), 429)
+            self.assertEqual(server.curl(running, "-X", "DELETE").status, 204)
+
+    def test_nothing_is_lost_when_the_server_is_killed(self):
+        with tempfile.TemporaryDirectory() as data:
+            with Server("--data", data) as server:
+                done = self.ask(server, small())
+                self.wait(server, done)
+                picture = server.curl(done + "/result").body
+                running = self.ask(server, turning(40, width=200, height=200))
+                waiting = self.ask(server, small(width=30))
+                while self.job(server, running).get("progress", {}).get("framesDone", 0) < 1:
+                    time.sleep(0.02)
+                server.process.send_signal(signal.SIGKILL)
+                server.process.wait()
+            with Server("--data", data) as server:
+                self.assertEqual(server.curl(done + "/result").body, picture)
+                self.wait(server, running)
+                self.assertEqual(server.curl(running + "/result").body.count(b"fcTL"), 40)
+                self.wait(server, waiting)
+
+    def test_a_server_that_stops_keeps_what_it_had_begun(self):
+        with tempfile.TemporaryDirectory() as data:
+            with Server("--data", data) as server:
+                place = self.ask(server, turning(30, width=200, height=200))
+                while self.job(server, place)["status"] == "queued":
+                    time.sleep(0.02)
+            with Server("--data", data) as server:
+                self.wait(server, place)
+
+    def test_a_client_that_leaves_a_stream_gives_its_place_back(self):
+        with Server("--event-streams", "1") as server:
+            place = self.ask(server, support.slow())
+            leaving = curl_process(server.url + place + "/events", "-N")
+            time.sleep(0.5)
+            leaving.kill()
+            leaving.communicate()
+            self.assertEqual(server.curl(place, "-X", "DELETE").status, 204)
+            end = time.monotonic() + 30
+            while server.curl(place + "/events").status == 429:
+                self.assertLess(time.monotonic(), end)
+                time.sleep(0.2)
+
+
+if __name__ == "__main__":
+    support.main()
