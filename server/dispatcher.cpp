@@ -81,6 +81,13 @@ std::string blank_problem(const Refusal& refusal, std::string_view request_id) {
                      api::quoted(request_id, request_id.size()));
 }
 
+// What a key opened is for its holder, not for a proxy that asks nobody for keys.
+void keep_from_shared_caches(Reply& reply) {
+  constexpr std::string_view kPublic = "public,";
+  for (auto& [name, value] : reply.headers)
+    if (name == "Cache-Control" && value.starts_with(kPublic)) value.replace(0, kPublic.size(), "private,");
+}
+
 void log_error(const Error& error, int status) {
   const auto write = status >= 500 && status != 504 ? log::error : log::info;
   write("request.failed", {{"code", error_code_name(error.code)},
@@ -115,6 +122,7 @@ Reply Dispatcher::handle(const Request& request) const {
   Reply reply = answer(request, route, entry);
   if (gate_ != nullptr) gate_->leave(entry, reply.status);
   for (const auto& [name, value] : entry.headers) reply.with(name, value);
+  if (!entry.client.empty()) keep_from_shared_caches(reply);
   add_common_headers(reply, request);
 
   const double seconds = seconds_since(start);

@@ -78,6 +78,7 @@ Reply get_image(const Doors& doors, const Request& request) {
   // A stated format is an answer to whoever asks, so that every cache on the way may keep it for all.
   const bool is_stated = bool(api::Document::parse(asked.text, json).root()["output"]["format"]);
   Request equal = request;
+  equal.headers.erase("Prefer");  // a job is made by POST
   if (is_stated) equal.headers.erase("Accept");
   Reply reply;
   try {
@@ -86,11 +87,8 @@ Reply get_image(const Doors& doors, const Request& request) {
     api::point_at_query(error, asked.flat);
     throw;
   }
-  // What a key opened is for its owner's browser, not for a proxy that asks nobody for keys.
-  const bool has_key = request.headers.contains("Authorization") || request.headers.contains("X-Api-Key");
-  const std::string_view kept_by = has_key ? "private" : "public";
   replace(reply, "Cache-Control",
-          fmt::format("{0}, max-age={1}, stale-while-revalidate={1}", kept_by, doors.image_urls.max_age_s));
+          fmt::format("public, max-age={0}, stale-while-revalidate={0}", doors.image_urls.max_age_s));
   if (is_stated) replace(reply, "Vary", {});
   if (reply.status == 200)
     reply.with("Content-Disposition",
