@@ -1,6 +1,7 @@
 #include "renderer/image/image_header.hpp"
 
 #include "renderer/image/decode.hpp"
+#include "renderer/image/png_chunks.hpp"
 
 #include <algorithm>
 #include <array>
@@ -32,6 +33,10 @@ class Bytes {
     for (int i = 0; i < count; ++i) value = value << 8 | at(offset + static_cast<std::size_t>(i));
     return value;
   }
+  // There must be as many.
+  std::span<const std::byte> part(std::size_t offset, std::size_t count) const {
+    return file_.subspan(offset, count);
+  }
   bool matches(std::size_t offset, std::string_view text) const {
     if (!has(offset, text.size())) return false;
     for (std::size_t i = 0; i < text.size(); ++i)
@@ -59,8 +64,12 @@ void read_png(const Bytes& file, ImageHeader& header) {
   std::size_t at = kFirstChunk;
   for (int step = 0; step < kMaxSteps && file.has(at, kChunkFrame); ++step) {
     if (file.matches(at + 4, "IDAT")) break;
-    alpha = alpha || file.matches(at + 4, "tRNS");
-    at += kChunkFrame + std::size_t{file.big(at, 4)};
+    const std::size_t size = file.big(at, 4);
+    if (file.matches(at + 4, "tRNS") && file.has(at, kChunkFrame + size)) {
+      // As the decoder: one with a wrong checksum counts as absent.
+      alpha = alpha || png_checksum(file.part(at + 4, size + 4)) == file.big(at + 8 + size, 4);
+    }
+    at += kChunkFrame + size;
   }
   header.channels = (grey ? 1 : 3) + (alpha ? 1 : 0);
 }

@@ -1,7 +1,9 @@
 // What still and animated PNG files are made of.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +14,9 @@ namespace furnace {
 
 void append_big_endian(std::string& out, std::uint32_t value);
 void append_big_endian16(std::string& out, std::uint32_t value);
+
+// Of a chunk's name and content.
+std::uint32_t png_checksum(std::span<const std::byte> bytes);
 
 // A chunk begins with begin_chunk, whose result end_chunk takes once its content is appended: it writes length and checksum.
 std::size_t begin_chunk(std::string& out, std::string_view type);

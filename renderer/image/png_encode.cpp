@@ -79,6 +79,10 @@ void append_big_endian16(std::string& out, std::uint32_t value) {
   for (int shift : {8, 0}) out.push_back(static_cast<char>(value >> shift));
 }
 
+std::uint32_t png_checksum(std::span<const std::byte> bytes) {
+  return libdeflate_crc32(0, bytes.data(), bytes.size());
+}
+
 std::size_t begin_chunk(std::string& out, std::string_view type) {
   const std::size_t start = out.size();
   append_big_endian(out, 0);
@@ -89,7 +93,7 @@ std::size_t begin_chunk(std::string& out, std::string_view type) {
 void end_chunk(std::string& out, std::size_t start) {
   const std::size_t size = out.size() - start - 8;
   for (std::size_t i = 0; i < 4; ++i) out[start + i] = static_cast<char>(size >> (24 - 8 * i));
-  append_big_endian(out, libdeflate_crc32(0, out.data() + start + 4, size + 4));
+  append_big_endian(out, png_checksum(std::as_bytes(std::span(out)).subspan(start + 4, size + 4)));
 }
 
 void append_png_head(std::string& out, const Image& image) {

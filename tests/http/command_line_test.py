@@ -52,7 +52,7 @@ class CommandLine(Case):
                     file.write(content)
 
             def turn(out):
-                self.run_furnace("render", "quad.gltf", "-o", out, "--width", "24", "--height", "16", "--turntable", "360",
+                self.run_furnace("render", "quad.gltf", "-o", out, "--width", "48", "--height", "32", "--azimuth", "0", "--turntable", "100",
                                  "--frames", "4", "--fps", "10", folder=folder)
                 with open(os.path.join(folder, out.replace("%02d", "01")), "rb") as file:
                     return file.read()
