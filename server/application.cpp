@@ -75,6 +75,16 @@ api::Capabilities capabilities(const Config& config, const Renderer& renderer) {
   return out;
 }
 
+AssetStoreConfig asset_store_config(const Config& config) {
+  AssetStoreConfig out;
+  if (!config.data.empty()) out.folder = std::filesystem::path(config.data) / "assets";
+  out.largest_bytes = config.max_asset_bytes;
+  out.budget_bytes = config.asset_store_bytes;
+  out.ttl = milliseconds(config.asset_ttl_ms);
+  out.memory_bytes = config.file_cache_bytes;
+  return out;
+}
+
 RegistryConfig registry_config(const Config& config) {
   RegistryConfig out;
   if (!config.data.empty()) out.folder = std::filesystem::path(config.data) / "environments";
@@ -117,6 +127,7 @@ Application::Application(const Config& config)
     : config_(config),
       engine_(config_, paths(config_.assets)),
       metrics_(build_id()),
+      assets_(asset_store_config(config_)),
       readiness_([this](const Deadline& deadline) { return engine_.renderer.probe(deadline); },
                  milliseconds(config_.ready_timeout_ms)),
       doors_{engine_.service,
@@ -128,7 +139,8 @@ Application::Application(const Config& config)
              metrics_,
              capabilities(config_, engine_.renderer),
              config_.max_parts,
-             engine_.decoders.processes()},
+             engine_.decoders.processes(),
+             &assets_},
       public_dispatcher_(public_routes(doors_, config_.admin_listen.empty()), metrics_),
       admin_dispatcher_(operation_routes(doors_, true), metrics_),
       admin_server_(

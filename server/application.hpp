@@ -9,6 +9,7 @@
 #include "renderer/base/worker_pool.hpp"
 #include "renderer/renderer.hpp"
 #include "server/admission.hpp"
+#include "server/asset_store.hpp"
 #include "server/config.hpp"
 #include "server/decoders.hpp"
 #include "server/dispatcher.hpp"
@@ -60,6 +61,7 @@ class Application {
   const Config config_;
   Engine engine_;
   Metrics metrics_;
+  AssetStore assets_;
   Readiness readiness_;
   const Doors doors_;
   const Dispatcher public_dispatcher_;

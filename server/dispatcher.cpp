@@ -1,5 +1,6 @@
 #include "server/dispatcher.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <optional>
@@ -118,12 +119,13 @@ Reply Dispatcher::handle(const Request& request) const {
   const double seconds = seconds_since(start);
   metrics_.requests_in_flight.Decrement();
   metrics_.observe_request(route, reply.status, seconds);
-  log::info("request.done", {{"method", request.method},
-                             {"path", request.path},
-                             {"status", reply.status},
-                             {"ms", seconds * 1e3},
-                             {"bytes_in", request.body.size()},
-                             {"bytes_out", reply.body.size()}});
+  log::info("request.done",
+            {{"method", request.method},
+             {"path", request.path},
+             {"status", reply.status},
+             {"ms", seconds * 1e3},
+             {"bytes_in", request.body.size()},
+             {"bytes_out", reply.file ? reply.file->bytes : std::int64_t(reply.body.size())}});
   return reply;
 }
 
@@ -144,11 +146,26 @@ Reply Dispatcher::answer(const Request& request, std::string_view& route) const 
   }
 }
 
-const Route& Dispatcher::find(const Request& request) const {
-  const std::string_view method = request.method == "HEAD" ? std::string_view("GET") : request.method;
-  for (const Route& route : routes_) {
-    if (takes(route, request.path) && route.method == method) return route;
+Incoming Dispatcher::receive(const Request& head) const {
+  const Route* route = route_of(head);
+  if (route == nullptr || !route->receive) return {};
+  try {
+    return route->receive(head);
+  } catch (const Error&) {
+  } catch (const std::exception&) {
   }
+  return {nullptr, 0, true};
+}
+
+const Route* Dispatcher::route_of(const Request& request) const {
+  const std::string_view method = request.method == "HEAD" ? std::string_view("GET") : request.method;
+  const auto found = std::ranges::find_if(
+      routes_, [&](const Route& route) { return route.method == method && takes(route, request.path); });
+  return found == routes_.end() ? nullptr : &*found;
+}
+
+const Route& Dispatcher::find(const Request& request) const {
+  if (const Route* route = route_of(request)) return *route;
   if (const std::string allowed = allowed_methods(request.path); !allowed.empty()) {
     fail(ErrorCode::kMethodNotAllowed, fmt::format("{} takes {}.", request.path, allowed));
   }
@@ -179,7 +196,9 @@ Reply Dispatcher::refuse(const Request& request, const Refusal& refusal) const {
   const log::RequestScope scope(request.id);
   metrics_.observe_request(kNoRoute, refusal.status, 0);
   Reply reply;
-  if (const auto code = code_of(refusal.status)) {
+  if (refusal.error) {
+    reply = problem(request, *refusal.error);
+  } else if (const auto code = code_of(refusal.status)) {
     reply = problem(request, {*code, refusal.detail, {}, {}, {}, {}});
   } else {
     log::info("request.refused", {{"status", refusal.status}, {"detail", refusal.detail}});

@@ -3,13 +3,16 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "renderer/base/deadline.hpp"
+#include "server/file_body.hpp"
 
 namespace furnace {
 
@@ -23,6 +26,15 @@ struct HeaderLess {
   }
 };
 
+// Where a body goes as it comes, for a route that does not want it in memory.
+// Threads: one.
+class BodySink {
+ public:
+  virtual ~BodySink() = default;
+  // The next bytes. Errors: any; the request is refused with it, and nothing more comes.
+  virtual void take(std::string_view bytes) = 0;
+};
+
 // Threads: one. Owns: its bytes.
 struct Request {
   std::string method;                                      // "GET", ...
@@ -30,7 +42,8 @@ struct Request {
   std::string query;                                       // as sent, without "?"
   std::map<std::string, std::string, HeaderLess> headers;  // repeated fields joined by ", "
   std::string body;
-  std::string id;  // request id: goes into the log, the reply and problem documents
+  std::shared_ptr<BodySink> sink;  // has taken the body instead, all of it; null: it is in `body`
+  std::string id;                  // request id: goes into the log, the reply and problem documents
   Deadline deadline;
 
   std::string_view header(std::string_view name) const {
@@ -44,6 +57,7 @@ struct Reply {
   std::string media_type;  // empty: no Content-Type
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;
+  std::shared_ptr<const FileBody> file = {};  // instead of `body`
 
   Reply& with(std::string name, std::string value) {
     headers.emplace_back(std::move(name), std::move(value));

@@ -9,6 +9,7 @@
 
 #include "renderer/decode/process_decoder.hpp"
 #include "api/capabilities.hpp"
+#include "server/asset_store.hpp"
 #include "server/dispatcher.hpp"
 #include "server/environment_registry.hpp"
 #include "server/metrics.hpp"
@@ -52,6 +53,7 @@ struct Doors {
   api::Capabilities capabilities;  // with the limits that requests are held to
   int max_parts = 64;
   const decode::ProcessDecoder* decoders = nullptr;  // null: files are decoded in this process
+  AssetStore* assets = nullptr;                      // null: nothing can be uploaded, nor referred to
 };
 
 // Health and version; metrics too when `with_metrics`.
