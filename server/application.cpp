@@ -84,6 +84,16 @@ JobLimits job_limits(const Config& config) {
   return limits;
 }
 
+AssetStoreConfig asset_store_config(const Config& config) {
+  AssetStoreConfig out;
+  if (!config.data.empty()) out.folder = std::filesystem::path(config.data) / "assets";
+  out.largest_bytes = config.max_asset_bytes;
+  out.budget_bytes = config.asset_store_bytes;
+  out.ttl = milliseconds(config.asset_ttl_ms);
+  out.memory_bytes = config.file_cache_bytes;
+  return out;
+}
+
 RegistryConfig registry_config(const Config& config) {
   RegistryConfig out;
   if (!config.data.empty()) out.folder = std::filesystem::path(config.data) / "environments";
@@ -133,6 +143,7 @@ Application::Application(const Config& config)
       gate_({config_.api_keys_file, config_.url_keys_file, config_.cors_origins, config_.max_url_bytes}),
       engine_(config_, paths(config_.assets)),
       metrics_(build_id()),
+      assets_(asset_store_config(config_)),
       readiness_([this](const Deadline& deadline) { return engine_.renderer.probe(deadline); },
                  milliseconds(config_.ready_timeout_ms)),
       jobs_(config_.data, job_limits(config_)),
@@ -149,7 +160,8 @@ Application::Application(const Config& config)
              engine_.decoders.processes(),
              &job_doors_,
              presets(config_),
-             {config_.image_max_age_ms / 1000, config_.presets_only == "on"}},
+             {config_.image_max_age_ms / 1000, config_.presets_only == "on"},
+             &assets_},
       job_runner_(jobs_,
                   [this](const JobRequest& request, const Deadline& deadline,
                          const RenderService::Progress& progress) {

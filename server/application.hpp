@@ -9,6 +9,7 @@
 #include "renderer/base/worker_pool.hpp"
 #include "renderer/renderer.hpp"
 #include "server/admission.hpp"
+#include "server/asset_store.hpp"
 #include "server/config.hpp"
 #include "server/decoders.hpp"
 #include "server/dispatcher.hpp"
@@ -69,6 +70,7 @@ class Application {
   Gate gate_;
   Engine engine_;
   Metrics metrics_;
+  AssetStore assets_;
   Readiness readiness_;
   JobStore jobs_;
   const Doors doors_;

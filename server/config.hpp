@@ -82,6 +82,10 @@ struct Config {
   std::int64_t max_file_bytes = 512ll << 20;
   std::int64_t render_cache_bytes = 256ll << 20;
   std::int64_t render_disk_bytes = 4096ll << 20;
+
+  std::int64_t max_asset_bytes = 256ll << 20;
+  std::int64_t asset_store_bytes = 4096ll << 20;
+  std::int64_t asset_ttl_ms = 0;  // 0: for ever
 };
 
 using NamedValues =

@@ -129,13 +129,14 @@ Reply Dispatcher::handle(const Request& request) const {
   metrics_.requests_in_flight.Decrement();
   metrics_.observe_request(route, reply.status, seconds);
   if (!entry.client.empty()) metrics_.observe_client(entry.client, reply.status);
-  log::info("request.done", {{"method", request.method},
-                             {"path", request.path},
-                             {"client", entry.client},
-                             {"status", reply.status},
-                             {"ms", seconds * 1e3},
-                             {"bytes_in", request.body.size()},
-                             {"bytes_out", reply.body.size()}});
+  log::info("request.done",
+            {{"method", request.method},
+             {"path", request.path},
+             {"client", entry.client},
+             {"status", reply.status},
+             {"ms", seconds * 1e3},
+             {"bytes_in", request.body.size()},
+             {"bytes_out", reply.file ? reply.file->bytes : std::int64_t(reply.body.size())}});
   return reply;
 }
 
@@ -162,11 +163,28 @@ Reply Dispatcher::answer(const Request& request, std::string_view& route, Entry&
   }
 }
 
-const Route& Dispatcher::find(const Request& request) const {
-  const std::string_view method = request.method == "HEAD" ? std::string_view("GET") : request.method;
-  for (const Route& route : routes_) {
-    if (takes(route, request.path) && route.method == method) return route;
+Incoming Dispatcher::receive(const Request& head) const {
+  const Route* route = route_of(head);
+  if (route == nullptr || !route->receive) return {};
+  const Incoming unwanted{nullptr, 0, true};
+  if (gate_ != nullptr && !gate_->admits({route->scopes, route->draws}, head)) return unwanted;
+  try {
+    return route->receive(head);
+  } catch (const Error&) {
+  } catch (const std::exception&) {
   }
+  return unwanted;
+}
+
+const Route* Dispatcher::route_of(const Request& request) const {
+  const std::string_view method = request.method == "HEAD" ? std::string_view("GET") : request.method;
+  const auto found = std::ranges::find_if(
+      routes_, [&](const Route& route) { return route.method == method && takes(route, request.path); });
+  return found == routes_.end() ? nullptr : &*found;
+}
+
+const Route& Dispatcher::find(const Request& request) const {
+  if (const Route* route = route_of(request)) return *route;
   if (const std::string allowed = allowed_methods(request.path); !allowed.empty()) {
     fail(ErrorCode::kMethodNotAllowed, fmt::format("{} takes {}.", request.path, allowed));
   }
@@ -213,7 +231,9 @@ Reply Dispatcher::refuse(const Request& request, const Refusal& refusal) const {
   const log::RequestScope scope(request.id);
   metrics_.observe_request(kNoRoute, refusal.status, 0);
   Reply reply;
-  if (const auto code = code_of(refusal.status)) {
+  if (refusal.error) {
+    reply = problem(request, *refusal.error);
+  } else if (const auto code = code_of(refusal.status)) {
     reply = problem(request, {*code, refusal.detail, {}, {}, {}, {}});
   } else {
     reply = refused(request, refusal);

@@ -2,7 +2,9 @@
 // documents.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,12 +20,20 @@ struct Entry;
 class Gate;
 class Metrics;
 
+// What becomes of a body that is yet to come.
+struct Incoming {
+  std::shared_ptr<BodySink> sink = {};  // takes it; null: it is held in memory
+  std::int64_t max_bytes = 0;           // what a sink takes
+  bool is_unwanted = false;             // the handler answers without it
+};
+
 struct Route {
   std::string_view method;  // "GET" answers HEAD too
   std::string_view path;    // exact; with "/*" at its end everything below
   std::function<Reply(const Request&)> handler;
-  Scopes scopes = scope::kAdmin;  // whoever forgets to say it has said the safest
-  bool draws = false;             // counts as a render of a key's day
+  Scopes scopes = scope::kAdmin;                              // whoever forgets to say it has said the safest
+  bool draws = false;                                         // counts as a render of a key's day
+  std::function<Incoming(const Request& head)> receive = {};  // none: the body is held in memory
 };
 
 // Threads: any. Owns: the route table; Metrics and Gate outlive it.
@@ -31,6 +41,10 @@ class Dispatcher {
  public:
   // Without a gate whoever comes may use every route.
   Dispatcher(std::vector<Route> routes, Metrics& metrics, Gate* gate = nullptr);
+
+  // What to do with the body of a request of which the head has come. Never throws: what a route refuses here, its handler
+  // refuses again, without the body.
+  Incoming receive(const Request& head) const;
 
   // Never throws: whatever a handler throws becomes a problem document.
   Reply handle(const Request& request) const;
@@ -43,6 +57,7 @@ class Dispatcher {
   Reply overloaded() const;
 
  private:
+  const Route* route_of(const Request& request) const;
   const Route& find(const Request& request) const;
   std::string allowed_methods(std::string_view path) const;
   Reply answer(const Request& request, std::string_view& route, Entry& entry) const;

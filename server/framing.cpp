@@ -38,6 +38,10 @@ std::optional<std::int64_t> agreed_length(std::string_view field) {
 
 }  // namespace
 
+bool has_request_body(std::string_view method) {
+  return method == "POST" || method == "PUT" || method == "PATCH";
+}
+
 Framing read_framing(const Request& head, std::string_view http_version, std::int64_t max_body_bytes) {
   const std::string_view host = head.header("Host");
   if (http_version == "HTTP/1.1" && (host.empty() || host.find(',') != std::string_view::npos)) {

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "renderer/base/error.hpp"
 #include "server/http_types.hpp"
 
 namespace furnace {
@@ -14,6 +16,8 @@ namespace furnace {
 struct Refusal {
   int status = 0;
   std::string detail;
+  std::optional<Error> error =
+      std::nullopt;  // what came of a body that a route took in; its status is `status`
 };
 
 struct Framing {
@@ -23,6 +27,8 @@ struct Framing {
 };
 
 Framing read_framing(const Request& head, std::string_view http_version, std::int64_t max_body_bytes);
+
+bool has_request_body(std::string_view method);  // whether one is read
 
 std::string http_date();  // now, as in a Date field
 

@@ -141,6 +141,10 @@ void Gate::reload() {
 }
 
 Entry Gate::enter(const Wish& wish, const Request& request) {
+  return check(wish, request, true);
+}
+
+Entry Gate::check(const Wish& wish, const Request& request, bool charges) {
   Entry entry;
   if (std::int64_t(request.path.size() + request.query.size()) > config_.max_url_bytes) {
     refuse(entry, 414, fmt::format("A URL's path and query may have {} bytes.", config_.max_url_bytes));
@@ -176,7 +180,7 @@ Entry Gate::enter(const Wish& wish, const Request& request) {
     entry.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"furnace\", error=\"insufficient_scope\"");
     return entry;
   }
-  state_->charge(key->second, wish, clock_, entry);
+  if (charges) state_->charge(key->second, wish, clock_, entry);
   return entry;
 }
 

@@ -56,6 +56,8 @@ class Gate {
   void reload();
 
   Entry enter(const Wish& wish, const Request& request);
+  // Whether enter would not refuse for who asks; nothing is counted: the body is yet to come.
+  bool admits(const Wish& wish, const Request& head) { return check(wish, head, false).refused == 0; }
   // What was not drawn anew is not a render of the day.
   void leave(const Entry& entry, int status);
 
@@ -63,6 +65,8 @@ class Gate {
 
  private:
   struct State;
+
+  Entry check(const Wish& wish, const Request& request, bool charges);
 
   const GateConfig config_;
   const GateClock clock_;

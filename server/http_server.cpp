@@ -24,6 +24,7 @@
 
 #include "renderer/base/error.hpp"
 #include "renderer/base/log.hpp"
+#include "server/body_receiver.hpp"
 #include "server/framing.hpp"
 #include "server/http_translation.hpp"
 #include "server/in_flight.hpp"
@@ -43,28 +44,24 @@ constexpr std::int64_t kChunkOverhead = 64 << 10;
 // One request as it passes through the library's hooks, on the stack of its connection's thread.
 struct Exchange {
   SocketIo& io;
-  std::atomic<std::int64_t>& all_bodies_bytes;
+  BodyReceiver body;
   Request request = {};
   Framing framing = {};
   bool head_complete = false;
   bool replied = false;
-  bool close = false;           // the connection cannot carry another request
-  std::int64_t body_bytes = 0;  // taken from the budget of all bodies
+  bool close = false;     // the connection cannot carry another request
+  bool unwanted = false;  // the body is not read
 
-  ~Exchange() { drop_body(); }
   // Before the reply is sent: a client that has it may count on the room.
   void drop_body() {
-    all_bodies_bytes -= std::exchange(body_bytes, 0);
+    body.give_room_back();
     request.body = {};
+    request.sink = {};
   }
 };
 
 thread_local Exchange* current_exchange = nullptr;
 thread_local bool refusing_connections = false;
-
-bool has_request_body(std::string_view method) {
-  return method == "POST" || method == "PUT" || method == "PATCH";
-}
 
 // What ended a read: time, `too_much` or something else.
 Refusal refusal_for(ReadFault fault, Refusal too_much, Refusal otherwise) {
@@ -202,7 +199,7 @@ void HttpServer::State::install_hooks() {
     Exchange& exchange = *current_exchange;
     if (exchange.framing.refusal.status != 0) {
       refuse(exchange, exchange.framing.refusal, out);
-    } else if (!has_request_body(head.method)) {
+    } else if (!has_request_body(head.method) || exchange.unwanted) {
       answer(exchange, out);
     }
     return exchange.replied ? HandlerResponse::Handled : HandlerResponse::Unhandled;
@@ -314,7 +311,7 @@ void HttpServer::State::serve_connection(int socket) {
 
 // Returns whether the connection may carry another request.
 bool HttpServer::State::serve_request(SocketIo& io, bool last) {
-  Exchange exchange{io, bodies_bytes_};
+  Exchange exchange{io, {bodies_bytes_, config_.max_bodies_bytes}};
   current_exchange = &exchange;
   Stream stream(io);
   io.begin_head([this] { return pool_->under_pressure(); });
@@ -339,11 +336,17 @@ void HttpServer::State::receive_head(httplib::Request& head, Exchange& exchange)
   request.headers = joined_headers(head.headers);
   request.id =
       is_sane_request_id(request.header("X-Request-Id")) ? request.headers["X-Request-Id"] : new_request_id();
-  exchange.framing = read_framing(request, head.version, config_.max_body_bytes);
+  const Incoming incoming = dispatcher_.receive(request);
+  const std::int64_t max_body_bytes = incoming.sink ? incoming.max_bytes : config_.max_body_bytes;
+  request.sink = incoming.sink;
+  exchange.unwanted = incoming.is_unwanted;
+  exchange.body.allow(max_body_bytes);
+  exchange.framing = read_framing(request, head.version, max_body_bytes);
 
   const Framing& framing = exchange.framing;
   const bool announces_body = framing.chunked || framing.content_length > 0;
-  exchange.close = framing.refusal.status != 0 || (announces_body && !has_request_body(request.method));
+  exchange.close = framing.refusal.status != 0 ||
+                   (announces_body && (exchange.unwanted || !has_request_body(request.method)));
 
   httplib::Headers kept;
   kept.emplace("Connection", std::string(request.header("Connection")));
@@ -357,27 +360,16 @@ void HttpServer::State::receive_head(httplib::Request& head, Exchange& exchange)
   head.headers = std::move(kept);
   head.ranges.clear();
   head.path = "/";
-  exchange.io.begin_body(config_.max_body_bytes + config_.max_body_bytes / 4 + kChunkOverhead);
+  exchange.io.begin_body(max_body_bytes + max_body_bytes / 4 + kChunkOverhead);
 }
 
 bool HttpServer::State::receive_body(const httplib::ContentReader& reader, Exchange& exchange,
                                      httplib::Response& out) {
-  std::string& body = exchange.request.body;
-  Refusal refusal;
   const bool complete = reader([&](const char* data, size_t size) {
-    if (static_cast<std::int64_t>(body.size() + size) > config_.max_body_bytes) {
-      refusal = {413, fmt::format("The body may have {} bytes.", config_.max_body_bytes)};
-      return false;
-    }
-    exchange.body_bytes += static_cast<std::int64_t>(size);
-    if ((bodies_bytes_ += static_cast<std::int64_t>(size)) > config_.max_bodies_bytes) {
-      refusal = {429, "Too many large requests at once; try again in a moment."};
-      return false;
-    }
-    body.append(data, size);
-    return true;
+    return exchange.body.take({data, size}, exchange.request);
   });
   if (complete) return true;
+  Refusal refusal = exchange.body.refusal();
   if (refusal.status == 0) {
     refusal = refusal_for(exchange.io.fault(), {413, "The body is too large."},
                           {400, "The body ended early or its chunks are malformed."});

@@ -31,6 +31,14 @@ void fill(httplib::Response& out, Reply reply) {
                                      });
     return;
   }
+  if (reply.file) {
+    out.set_content_provider(static_cast<size_t>(reply.file->bytes), reply.media_type,
+                             [file = reply.file](size_t offset, size_t length, httplib::DataSink& sink) {
+                               const std::string piece = file->read(offset, length);
+                               return !piece.empty() && sink.write(piece.data(), piece.size());
+                             });
+    return;
+  }
   out.body = std::move(reply.body);
   if (!reply.media_type.empty()) out.set_header("Content-Type", reply.media_type);
 }

@@ -3,14 +3,17 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "renderer/base/deadline.hpp"
+#include "server/file_body.hpp"
 
 namespace furnace {
 
@@ -24,6 +27,15 @@ struct HeaderLess {
   }
 };
 
+// Where a body goes as it comes, for a route that does not want it in memory.
+// Threads: one.
+class BodySink {
+ public:
+  virtual ~BodySink() = default;
+  // The next bytes. Errors: any; the request is refused with it, and nothing more comes.
+  virtual void take(std::string_view bytes) = 0;
+};
+
 // Threads: one. Owns: its bytes.
 struct Request {
   std::string method;                                      // "GET", ...
@@ -31,7 +43,8 @@ struct Request {
   std::string query;                                       // as sent, without "?"
   std::map<std::string, std::string, HeaderLess> headers;  // repeated fields joined by ", "
   std::string body;
-  std::string id;  // request id: goes into the log, the reply and problem documents
+  std::shared_ptr<BodySink> sink;  // has taken the body instead, all of it; null: it is in `body`
+  std::string id;                  // request id: goes into the log, the reply and problem documents
   Deadline deadline;
 
   std::string_view header(std::string_view name) const {
@@ -47,6 +60,7 @@ struct Reply {
   std::vector<std::pair<std::string, std::string>> headers;
   // In place of a body: gives the next piece, waits for it on the connection's thread; false with or after the last one.
   std::function<bool(std::string& piece)> stream = {};
+  std::shared_ptr<const FileBody> file = {};  // instead of `body`
 
   Reply& with(std::string name, std::string value) {
     headers.emplace_back(std::move(name), std::move(value));

@@ -2,6 +2,7 @@
 
 #include "api/inspect_request.hpp"
 #include "api/model_report.hpp"
+#include "server/asset_routes.hpp"
 #include "server/negotiation.hpp"
 #include "server/request_body.hpp"
 
@@ -20,17 +21,20 @@ RequestBody read_inspect_body(const Request& request, int max_parts) {
 
 }  // namespace
 
-Reply post_inspect(const Doors& doors, const Request& request) {
-  RequestBody body = read_inspect_body(request, doors.max_parts);
-  const AssetResolver assets(doors.files, std::move(body.parts), doors.capabilities.import);
+Reply inspect_model(const Doors& doors, std::string_view document, std::map<std::string, Blob> parts,
+                    const Deadline& deadline) {
   const api::InspectRequest wanted =
-      api::parse_inspect_request(body.document, assets, doors.capabilities.request);
-  const Admission::Seat seat = doors.admission.enter(request.deadline);
+      api::parse_inspect_request(document, references(doors, std::move(parts)), doors.capabilities.request);
+  const Admission::Seat seat = doors.admission.enter(deadline);
   const ModelReport report = with_context("/model", [&] {
-    return inspect_model(doors.decoder, *wanted.model, wanted.options, doors.capabilities.import,
-                         request.deadline);
+    return inspect_model(doors.decoder, *wanted.model, wanted.options, doors.capabilities.import, deadline);
   });
   return Reply{200, "application/json", api::model_report_json(report), {}}.with("Cache-Control", "no-store");
+}
+
+Reply post_inspect(const Doors& doors, const Request& request) {
+  RequestBody body = read_inspect_body(request, doors.max_parts);
+  return inspect_model(doors, body.document, std::move(body.parts), request.deadline);
 }
 
 }  // namespace furnace

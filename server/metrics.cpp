@@ -15,6 +15,10 @@ const prometheus::Histogram::BucketBoundaries kSecondsBuckets = {
 
 constexpr double kSecondsPerMs = 1e-3;
 
+void catch_up(prometheus::Counter& counter, std::int64_t count) {
+  counter.Increment(double(count) - counter.Value());
+}
+
 }  // namespace
 
 Metrics::Metrics(std::string_view build)
@@ -98,7 +102,18 @@ Metrics::Metrics(std::string_view build)
                          .Name("furnace_decoder_starts_total")
                          .Help("Child processes started")
                          .Register(registry_)
-                         .Add({})) {
+                         .Add({})),
+      assets(BuildGauge().Name("furnace_assets").Help("Uploaded files kept").Register(registry_).Add({})),
+      asset_bytes(BuildGauge()
+                      .Name("furnace_asset_bytes")
+                      .Help("Bytes of the uploaded files, each 4096 at least")
+                      .Register(registry_)
+                      .Add({})),
+      asset_uploads(BuildCounter()
+                        .Name("furnace_asset_uploads_total")
+                        .Help("Uploads kept, or found to be there already")
+                        .Register(registry_)
+                        .Add({})) {
   BuildGauge()
       .Name("furnace_build_info")
       .Help("Always 1; the label says which build this is")
@@ -135,11 +150,15 @@ void Metrics::observe_stages(const StageTimes& times) {
   lookup("gpu", times.upload_hit);
 }
 
+void Metrics::observe_assets(const AssetStore::Stats& stats) {
+  const std::lock_guard lock(counting_);
+  assets.Set(double(stats.assets));
+  asset_bytes.Set(double(stats.bytes));
+  catch_up(asset_uploads, stats.uploads);
+}
+
 void Metrics::observe_decoders(const decode::PoolStats& stats) {
   const std::lock_guard lock(counting_);
-  const auto catch_up = [](prometheus::Counter& counter, std::int64_t count) {
-    counter.Increment(double(count) - counter.Value());
-  };
   decoders.Set(stats.processes);
   catch_up(decoder_jobs, stats.jobs);
   catch_up(decoder_crashes, stats.crashes);

@@ -13,6 +13,7 @@
 
 #include "renderer/decode/process_pool.hpp"
 #include "renderer/renderer.hpp"
+#include "server/asset_store.hpp"
 
 namespace furnace {
 
@@ -48,10 +49,15 @@ class Metrics {
   prometheus::Counter& decoder_timeouts;
   prometheus::Counter& decoder_starts;
 
+  prometheus::Gauge& assets;
+  prometheus::Gauge& asset_bytes;
+  prometheus::Counter& asset_uploads;
+
   void observe_request(std::string_view route, int status, double seconds);
   void observe_client(const std::string& client, int status);  // a key's name: as many as there are keys
   void observe_stages(const StageTimes& times);
   void observe_decoders(const decode::PoolStats& stats);
+  void observe_assets(const AssetStore::Stats& stats);
 
   std::string text() const;  // Prometheus text format
 

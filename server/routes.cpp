@@ -15,6 +15,7 @@
 #include "api/contract.hpp"
 #include "api/document.hpp"
 #include "api/render_request.hpp"
+#include "server/asset_routes.hpp"
 #include "server/batch_routes.hpp"
 #include "server/build_id.hpp"
 #include "server/environment_routes.hpp"
@@ -175,6 +176,7 @@ std::string welcome() {
       "picture.png\n\n"
       "GET /v1/render?KEY=VALUE  the same in a URL, for <img>; keys are in /openapi.json\n"
       "POST /v1/inspect         what is in a model\n"
+      "POST /v1/assets          uploads a file, for \"asset:sha256-...\" in documents\n"
       "PUT /v1/environments/NAME  names an HDRI; its report and its baked maps\n"
       "GET /v1/schema.json      every field of the document, with unit, range and default\n"
       "GET /openapi.json        the whole API\n"
@@ -193,6 +195,7 @@ Reply plain(std::string text) {
 Reply get_metrics(const Doors& doors) {
   doors.metrics.seats_in_use.Set(doors.admission.seats_in_use());
   doors.metrics.queue_length.Set(doors.admission.waiting());
+  if (doors.assets != nullptr) doors.metrics.observe_assets(doors.assets->stats());
   if (doors.decoders != nullptr) doors.metrics.observe_decoders(doors.decoders->stats());
   return Reply{200, "text/plain; version=0.0.4; charset=utf-8", doors.metrics.text(), {}}.with(
       "Cache-Control", "no-store");
@@ -256,8 +259,7 @@ void Readiness::check(std::chrono::milliseconds timeout) {
 RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Doors& doors) {
   const OutputFormat preferred = preferred_format(accept);
   const api::Capabilities& can = doors.capabilities;
-  const AssetResolver assets(doors.files, body.parts, can.import,
-                             [&](const std::string& name) { return doors.environments.find(name); });
+  const AssetResolver assets = references(doors, body.parts);
   const RenderSpec spec = api::parse_render_request(body.document, assets, can.request, preferred);
   const std::string_view media_type = api::media_type_of(spec.output);
   if (quality_of(accept, media_type) > 0) return spec;
@@ -318,6 +320,7 @@ std::vector<Route> public_routes(const Doors& doors, bool with_metrics) {
   if (doors.jobs != nullptr)
     for (Route& route : doors.jobs->routes()) routes.push_back(std::move(route));
   for (Route& route : image_url_routes(doors)) routes.push_back(std::move(route));
+  for (Route& route : asset_routes(doors)) routes.push_back(std::move(route));
   routes.push_back(document("/", kPlainText, welcome()));
   return routes;
 }

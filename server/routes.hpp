@@ -10,6 +10,7 @@
 
 #include "renderer/decode/process_decoder.hpp"
 #include "api/capabilities.hpp"
+#include "server/asset_store.hpp"
 #include "server/dispatcher.hpp"
 #include "server/environment_registry.hpp"
 #include "server/image_url.hpp"
@@ -60,6 +61,7 @@ struct Doors {
   JobDoors* jobs = nullptr;                          // null: every render is waited for
   std::shared_ptr<const Presets> presets = std::make_shared<const Presets>();
   ImageUrlConfig image_urls = {};
+  AssetStore* assets = nullptr;  // null: nothing can be uploaded, nor referred to
 };
 
 // Errors: those of parse_render_request; kNotAcceptable.

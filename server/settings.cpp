@@ -170,6 +170,13 @@ constexpr std::array kSettings = {
            "finished renders, with their reports, kept in memory"),
     number("render-disk-cache", &Config::render_disk_bytes, Unit::kBytes, 0, 1024 * kGiB,
            "finished renders kept below --data"),
+
+    number("max-asset", &Config::max_asset_bytes, Unit::kBytes, 1024, 64 * kGiB,
+           "largest file that may be uploaded to /v1/assets; more is 413"),
+    number("asset-store", &Config::asset_store_bytes, Unit::kBytes, 0, 1024 * kGiB,
+           "uploaded files kept below --data, those not used for longest go first"),
+    number("asset-ttl", &Config::asset_ttl_ms, Unit::kDuration, 0, 3660ll * 24 * 3600 * kSecond,
+           "uploaded files not used for so long are removed; 0: never"),
 };
 
 struct Suffix {

@@ -1,4 +1,5 @@
 #include "renderer/assets/asset_resolver.hpp"
+#include "renderer/assets/zip_reader.hpp"
 
 #include "renderer/scene/gltf_container.hpp"
 #include "renderer/scene/model_import.hpp"
@@ -66,6 +67,10 @@ std::string_view last_segment(std::string_view path) {
   return path.substr(path.find_last_of('/') + 1);
 }
 
+std::string folder_of(const std::string& path) {
+  return path.substr(0, path.size() - last_segment(path).size());
+}
+
 using Uris = std::vector<std::string>;
 
 // Gives a sibling by its URI, or none.
@@ -76,7 +81,7 @@ void add_textures(const Uris& libraries, const FindSibling& find, ModelBundle& b
   for (const std::string& library : libraries) {
     const auto file = bundle.siblings.find(library);
     if (file == bundle.siblings.end()) continue;
-    const std::string folder = library.substr(0, library.size() - last_segment(library).size());
+    const std::string folder = folder_of(library);
     for (const std::string& name : texture_names(file->second.text())) {
       if (bundle.siblings.size() >= kMostSiblings) return;
       if (bundle.siblings.contains(name)) continue;
@@ -98,6 +103,32 @@ std::shared_ptr<const ModelBundle> make_bundle(Blob document, ModelFormat format
   if (format == ModelFormat::kObj) add_textures(uris, find, *bundle);
   bundle->seal();
   return bundle;
+}
+
+std::optional<Blob> find_named(const NamedFiles& files, const std::string& name) {
+  const auto found = files.find(name);
+  return found == files.end() ? std::nullopt : std::optional(found->second);
+}
+
+Blob file_in(const ZipReader& archive, const std::string& path) {
+  std::optional<Blob> file = archive.read(path);
+  if (!file) fail(ErrorCode::kNotFound, "there is no file \"" + readable_text(path) + "\" in the archive");
+  return *std::move(file);
+}
+
+// `path`: of the model in the archive; "": the only one. `find` gives what is not in the archive.
+std::shared_ptr<const ModelBundle> read_archive(const Blob& file, std::string path,
+                                                const ImportLimits& limits, const FindSibling& find) {
+  const ZipReader archive(file);
+  if (path.empty()) path = model_in(archive);
+  Blob document = file_in(archive, path);
+  const ModelFormat format = model_format(document, path);
+  const Uris uris = model_siblings(document, format, limits);
+  const std::string folder = folder_of(path);
+  return make_bundle(std::move(document), format, uris, [&](const std::string& uri) {
+    std::optional<Blob> sibling = archive.read(fs::path(folder + uri).lexically_normal().string());
+    return sibling ? sibling : find(uri);
+  });
 }
 
 }  // namespace
@@ -155,22 +186,26 @@ Blob FileAssets::read(const std::string& relative, const std::string& pointer) {
 
 std::shared_ptr<const ModelBundle> FileAssets::read_model(const std::string& relative,
                                                           const std::string& pointer,
-                                                          const ImportLimits& limits) {
+                                                          const ImportLimits& limits,
+                                                          const NamedFiles& named) {
   return at(pointer, [&] {
     const Blob document = state_->read(relative);
-    const ModelFormat format = model_format(document, relative);
-    const ContentHash key = HashBuilder().add(document.hash()).add(std::int64_t(format)).finish();
-    const auto uris =
-        state_->uris.get_or_load(key, Deadline{}, [&] { return model_siblings(document, format, limits); });
-    const std::string folder = relative.substr(0, relative.size() - last_segment(relative).size());
-    return make_bundle(document, format, *uris, [&](const std::string& uri) -> std::optional<Blob> {
+    const std::string folder = folder_of(relative);
+    const auto find = [&](const std::string& uri) -> std::optional<Blob> {
+      if (std::optional<Blob> file = find_named(named, uri)) return file;
       try {
         return state_->read(folder + uri);
       } catch (const Error& error) {
         if (error.code == ErrorCode::kNotFound) return std::nullopt;
         throw;
       }
-    });
+    };
+    if (is_zip(document)) return read_archive(document, {}, limits, find);
+    const ModelFormat format = model_format(document, relative);
+    const ContentHash key = HashBuilder().add(document.hash()).add(std::int64_t(format)).finish();
+    const auto uris =
+        state_->uris.get_or_load(key, Deadline{}, [&] { return model_siblings(document, format, limits); });
+    return make_bundle(document, format, *uris, find);
   });
 }
 
@@ -179,9 +214,22 @@ namespace {
 constexpr std::string_view kPartScheme = "part:";
 constexpr std::string_view kFileScheme = "file:";
 constexpr std::string_view kEnvironmentScheme = "environment:";
+constexpr std::string_view kAssetScheme = "asset:";
 
 [[noreturn]] void fail_unknown_scheme(const std::string& pointer) {
-  fail(ErrorCode::kUnprocessable, "a reference begins with \"part:\", \"file:\" or \"data:\"", pointer);
+  fail(ErrorCode::kUnprocessable, "a reference begins with \"part:\", \"file:\", \"asset:\" or \"data:\"",
+       pointer);
+}
+
+struct AssetName {
+  std::string id;
+  std::string path;  // in the archive that it is; "": the asset itself
+};
+
+AssetName asset_name(const std::string& reference) {
+  const std::size_t slash = std::min(reference.find('/'), reference.size());
+  return {reference.substr(kAssetScheme.size(), slash - kAssetScheme.size()),
+          reference.substr(std::min(slash + 1, reference.size()))};
 }
 
 // By its whole name, else by the last segments of both names; two different files of that name are refused.
@@ -203,8 +251,18 @@ std::optional<Blob> find_sibling(const std::map<std::string, Blob>& parts, const
 }  // namespace
 
 AssetResolver::AssetResolver(FileAssets& files, std::map<std::string, Blob> parts, ImportLimits limits,
-                             NamedEnvironments environments)
-    : files_(&files), parts_(std::move(parts)), limits_(limits), environments_(std::move(environments)) {}
+                             NamedEnvironments environments, UploadedAssets uploads)
+    : files_(&files),
+      parts_(std::move(parts)),
+      limits_(limits),
+      environments_(std::move(environments)),
+      uploads_(std::move(uploads)) {}
+
+Blob AssetResolver::uploaded(const std::string& id) const {
+  std::optional<Blob> file = uploads_ ? uploads_(id) : std::nullopt;
+  if (!file) fail(ErrorCode::kNotFound, "there is no asset \"" + readable_text(id) + "\"; upload it (again)");
+  return *std::move(file);
+}
 
 Blob AssetResolver::read(const std::string& reference, const std::string& pointer) const {
   if (reference.starts_with(kPartScheme)) {
@@ -220,21 +278,34 @@ Blob AssetResolver::read(const std::string& reference, const std::string& pointe
     if (!file) fail(ErrorCode::kNotFound, "there is no environment named \"" + name + "\"", pointer);
     return *std::move(file);
   }
+  if (reference.starts_with(kAssetScheme)) {
+    return at(pointer, [&] {
+      const AssetName name = asset_name(reference);
+      const Blob file = uploaded(name.id);
+      return name.path.empty() ? file : file_in(ZipReader(file), name.path);
+    });
+  }
   if (is_data_uri(reference)) return Blob(decode_data_uri(reference, pointer));
   fail_unknown_scheme(pointer);
 }
 
 std::shared_ptr<const ModelBundle> AssetResolver::read_model(const std::string& reference,
-                                                             const std::string& pointer) const {
-  if (reference.starts_with(kFileScheme)) {
-    return files_->read_model(reference.substr(kFileScheme.size()), pointer, limits_);
-  }
+                                                             const std::string& pointer,
+                                                             const NamedFiles& named) const {
+  if (reference.starts_with(kFileScheme))
+    return files_->read_model(reference.substr(kFileScheme.size()), pointer, limits_, named);
   return at(pointer, [&] {
-    Blob document = read(reference, pointer);
+    const auto find = [&](const std::string& uri) {
+      std::optional<Blob> file = find_named(named, uri);
+      return file ? file : find_sibling(parts_, uri);
+    };
+    const bool is_asset = reference.starts_with(kAssetScheme);
+    const AssetName name = is_asset ? asset_name(reference) : AssetName{};
+    Blob document = is_asset ? uploaded(name.id) : read(reference, pointer);
+    if (is_zip(document) || !name.path.empty()) return read_archive(document, name.path, limits_, find);
     const ModelFormat format = model_format(document, is_data_uri(reference) ? std::string() : reference);
     const Uris uris = model_siblings(document, format, limits_);
-    return make_bundle(std::move(document), format, uris,
-                       [&](const std::string& uri) { return find_sibling(parts_, uri); });
+    return make_bundle(std::move(document), format, uris, find);
   });
 }
 

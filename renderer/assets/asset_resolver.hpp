@@ -1,4 +1,5 @@
-// References in a request -> bytes. What "part:", "file:" and "asset:" mean is decided here, once, for every door.
+// References in a request -> bytes. What "part:", "file:" and "asset:" mean is decided here, once, for every door. A model's
+// file may be a ZIP archive of the model and the files it names.
 #pragma once
 
 #include "renderer/scene/gltf_import.hpp"
@@ -15,6 +16,9 @@
 
 namespace furnace {
 
+// Files by the URI that a model names them with, before any that lie beside it.
+using NamedFiles = std::map<std::string, Blob>;
+
 // Reads files below configured roots. A file is hashed once and again only when its (device, inode, size, mtime) changed.
 // Refuses paths that leave every root (.., symlinks), says so without telling what exists outside.
 // Threads: any. Owns: a byte-bounded cache of file contents.
@@ -23,9 +27,9 @@ class FileAssets {
   FileAssets(std::vector<std::filesystem::path> roots, std::int64_t cache_bytes, std::int64_t max_file_bytes);
 
   Blob read(const std::string& relative, const std::string& pointer);
-  // The document and every file it names, resolved beside it.
+  // The document and every file it names, resolved beside it, or in its archive.
   std::shared_ptr<const ModelBundle> read_model(const std::string& relative, const std::string& pointer,
-                                                const ImportLimits& limits);
+                                                const ImportLimits& limits, const NamedFiles& named = {});
 
  private:
   struct State;
@@ -39,22 +43,29 @@ class AssetResolver {
   // Environments by the names their users gave them; none: there is no such name.
   using NamedEnvironments = std::function<std::optional<Blob>(const std::string& name)>;
 
-  AssetResolver(FileAssets& files, std::map<std::string, Blob> parts, ImportLimits limits,
-                NamedEnvironments environments = {});
+  // What was uploaded, by what stands between "asset:" and the next slash; none: there is no such asset. Errors: any.
+  using UploadedAssets = std::function<std::optional<Blob>(const std::string& id)>;
 
-  // `reference` is "part:NAME", "file:RELATIVE", "environment:NAME", "data:..." (base64 or percent-encoded); `pointer` is its place in the request.
-  // Errors: kUnprocessable for an unknown scheme or a broken data: URI, kNotFound for a name that is not there.
+  AssetResolver(FileAssets& files, std::map<std::string, Blob> parts, ImportLimits limits,
+                NamedEnvironments environments = {}, UploadedAssets uploads = {});
+
+  // `reference` is "part:NAME", "file:RELATIVE", "environment:NAME", "asset:ID", "asset:ID/PATH" (a file in an archive),
+  // "data:..." (base64 or percent-encoded); `pointer` is its place in the request.
+  // Errors: kUnprocessable for an unknown scheme, a broken data: URI or archive, kNotFound for a name that is not there.
   Blob read(const std::string& reference, const std::string& pointer) const;
   // As read, with the siblings that a .gltf, an OBJ and its MTL files, or a PLY name: other parts of the request by name or file name (also by the last path segment), or files
-  // beside the document. What is missing is left out: the importer tells of it.
-  std::shared_ptr<const ModelBundle> read_model(const std::string& reference,
-                                                const std::string& pointer) const;
+  // beside the document; first of all those of `named`. What is missing is left out: the importer tells of it.
+  std::shared_ptr<const ModelBundle> read_model(const std::string& reference, const std::string& pointer,
+                                                const NamedFiles& named = {}) const;
 
  private:
+  Blob uploaded(const std::string& id) const;
+
   FileAssets* files_;
   std::map<std::string, Blob> parts_;
   ImportLimits limits_;
   NamedEnvironments environments_;
+  UploadedAssets uploads_;
 };
 
 }  // namespace furnace

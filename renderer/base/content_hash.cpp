@@ -1,5 +1,6 @@
 #include "renderer/base/content_hash.hpp"
 
+#include "renderer/base/byte_hasher.hpp"
 #include "renderer/base/check.hpp"
 
 #include <openssl/evp.h>
@@ -15,6 +16,27 @@ namespace {
 
 // One byte before each field, so a number never equals a text of the same bytes.
 enum class FieldTag : std::uint8_t { kText = 't', kBytes = 'b', kInteger = 'i', kReal = 'd', kHash = 'h' };
+
+struct Digest {
+  EVP_MD_CTX* digest = EVP_MD_CTX_new();
+
+  Digest() { FURNACE_CHECK(digest && EVP_DigestInit_ex(digest, EVP_sha256(), nullptr) == 1, "no SHA-256"); }
+  ~Digest() { EVP_MD_CTX_free(digest); }
+  Digest(const Digest&) = delete;
+  Digest& operator=(const Digest&) = delete;
+
+  void update(const void* data, std::size_t size) {
+    FURNACE_CHECK(EVP_DigestUpdate(digest, data, size) == 1, "SHA-256 refused {} bytes", size);
+  }
+
+  ContentHash finish() {
+    ContentHash hash;
+    unsigned int size = 0;
+    const int done = EVP_DigestFinal_ex(digest, hash.bytes.data(), &size);
+    FURNACE_CHECK(done == 1 && size == hash.bytes.size(), "SHA-256 gave {} bytes", size);
+    return hash;
+  }
+};
 
 }  // namespace
 
@@ -37,18 +59,7 @@ ContentHash hash_bytes(std::span<const std::byte> bytes) {
   return hash;
 }
 
-struct HashBuilder::Context {
-  EVP_MD_CTX* digest = EVP_MD_CTX_new();
-
-  Context() { FURNACE_CHECK(digest && EVP_DigestInit_ex(digest, EVP_sha256(), nullptr) == 1, "no SHA-256"); }
-  ~Context() { EVP_MD_CTX_free(digest); }
-  Context(const Context&) = delete;
-  Context& operator=(const Context&) = delete;
-
-  void update(const void* data, std::size_t size) {
-    FURNACE_CHECK(EVP_DigestUpdate(digest, data, size) == 1, "SHA-256 refused {} bytes", size);
-  }
-
+struct HashBuilder::Context : Digest {
   void field(FieldTag tag, const void* data, std::uint64_t size) {
     std::uint8_t head[9] = {static_cast<std::uint8_t>(tag)};
     for (int i = 0; i < 8; ++i) head[1 + i] = static_cast<std::uint8_t>(size >> (8 * i));
@@ -95,10 +106,24 @@ HashBuilder& HashBuilder::add(const ContentHash& hash) {
 
 ContentHash HashBuilder::finish() {
   FURNACE_CHECK(context_, "a hash is finished once");
-  ContentHash hash;
-  unsigned int size = 0;
-  const int done = EVP_DigestFinal_ex(context_->digest, hash.bytes.data(), &size);
-  FURNACE_CHECK(done == 1 && size == hash.bytes.size(), "SHA-256 gave {} bytes", size);
+  const ContentHash hash = context_->finish();
+  context_.reset();
+  return hash;
+}
+
+struct ByteHasher::Context : Digest {};
+
+ByteHasher::ByteHasher() : context_(std::make_unique<Context>()) {}
+ByteHasher::~ByteHasher() = default;
+
+void ByteHasher::add(std::span<const std::byte> bytes) {
+  FURNACE_CHECK(context_, "a hash is finished once");
+  context_->update(bytes.data(), bytes.size());
+}
+
+ContentHash ByteHasher::finish() {
+  FURNACE_CHECK(context_, "a hash is finished once");
+  const ContentHash hash = context_->finish();
   context_.reset();
   return hash;
 }

@@ -1,0 +1,175 @@
+// Uploads through the dispatcher, bodies passed on as the HTTP server does it.
+#include "server/asset_routes.hpp"
+
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/http/fake_painter.hpp"
+#include "renderer/decode/in_process_decoder.hpp"
+#include "renderer/base/error.hpp"
+
+namespace furnace {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+constexpr const char* kEmptyModel = R"({"asset":{"version":"2.0"}})";
+
+std::string hex_of(std::string_view text) {
+  return hash_bytes(std::as_bytes(std::span(text))).hex();
+}
+
+class AssetRoutesTest : public ::testing::Test {
+ protected:
+  explicit AssetRoutesTest(bool keeps = true) {
+    if (keeps) {
+      const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+      folder_ = fs::path(::testing::TempDir()) / (std::string("asset_routes_") + test->name());
+    }
+    fs::remove_all(folder_);
+    AssetStoreConfig config;
+    config.folder = folder_;
+    config.largest_bytes = 1000;
+    store_ = std::make_unique<AssetStore>(config);
+    doors_ = std::make_unique<Doors>(Doors{service_,
+                                           admission_,
+                                           files_,
+                                           decode::in_process_decoder(),
+                                           environments_,
+                                           readiness_,
+                                           metrics_,
+                                           {},
+                                           4,
+                                           nullptr,
+                                           store_.get()});
+    dispatcher_ = std::make_unique<Dispatcher>(public_routes(*doors_, true), metrics_);
+  }
+  ~AssetRoutesTest() override {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+
+  Reply send(std::string method, std::string path, std::string body = {},
+             std::map<std::string, std::string, HeaderLess> headers = {}) {
+    Request request;
+    request.method = std::move(method);
+    request.path = std::move(path);
+    request.headers = std::move(headers);
+    const Incoming incoming = dispatcher_->receive(request);
+    was_unwanted_ = incoming.is_unwanted;
+    request.sink = incoming.sink;
+    if (request.sink) {
+      request.sink->take(body);
+    } else if (!was_unwanted_) {
+      request.body = std::move(body);
+    }
+    return dispatcher_->handle(request);
+  }
+  Reply render(const std::string& document) {
+    return send("POST", "/v1/renders", document, {{"Content-Type", "application/json"}});
+  }
+  static std::string header(const Reply& reply, std::string_view name) {
+    for (const auto& [key, value] : reply.headers) {
+      if (key == name) return value;
+    }
+    return "(none)";
+  }
+
+  fs::path folder_;
+  testing::FakePainter fake_;
+  WorkerPool pool_{1};
+  Admission admission_{1, 0};
+  RenderCache renders_{{1 << 20, {}, 0}};
+  RenderService service_{fake_.painter(), admission_, pool_, renders_};
+  FileAssets files_{{}, 0, 1 << 20};
+  Metrics metrics_{"test"};
+  Readiness readiness_{[](const Deadline&) { return true; }, std::chrono::seconds(1)};
+  EnvironmentRegistry environments_{
+      [](const EnvironmentSpec&, const Deadline&) { return EnvironmentAnswer{}; },
+      admission_,
+      pool_,
+      decode::in_process_decoder(),
+      {}};
+  std::unique_ptr<AssetStore> store_;
+  std::unique_ptr<Doors> doors_;
+  std::unique_ptr<Dispatcher> dispatcher_;
+  bool was_unwanted_ = false;
+};
+
+class NoAssetRoutesTest : public AssetRoutesTest {
+ protected:
+  NoAssetRoutesTest() : AssetRoutesTest(false) {}
+};
+
+TEST_F(AssetRoutesTest, PostNamesTheAsset) {
+  const Reply made = send("POST", "/v1/assets", "hello", {{"Content-Type", "image/png; x=y"}});
+  EXPECT_EQ(made.status, 201) << made.body;
+  EXPECT_EQ(header(made, "Location"), "/v1/assets/" + hex_of("hello"));
+  EXPECT_THAT(made.body, HasSubstr("\"id\": \"asset:sha256-" + hex_of("hello") + "\", \"bytes\": 5"));
+  EXPECT_THAT(made.body, HasSubstr("\"mediaType\": \"image/png\""));
+  EXPECT_EQ(send("POST", "/v1/assets", "hello").status, 200);
+  EXPECT_EQ(send("POST", "/v1/assets").status, 400);
+}
+
+TEST_F(AssetRoutesTest, PutVerifiesAndIsAnsweredFromTheHeadWhenItIsThere) {
+  const std::string path = "/v1/assets/" + hex_of("hello");
+  EXPECT_EQ(send("PUT", path, "other").status, 422);
+  EXPECT_EQ(send("GET", path).status, 404);
+  EXPECT_EQ(send("PUT", path, "hello").status, 201);
+  EXPECT_FALSE(was_unwanted_);
+  EXPECT_EQ(send("PUT", path, "hello").status, 200);
+  EXPECT_TRUE(was_unwanted_);
+  for (const char* wrong : {"abc", "../x", "sha256-00"})
+    EXPECT_EQ(send("PUT", std::string("/v1/assets/") + wrong, "x").status, 400) << wrong;
+}
+
+TEST_F(AssetRoutesTest, GetHeadDelete) {
+  const std::string path = "/v1/assets/" + hex_of("hello");
+  send("PUT", path, "hello");
+  const Reply got = send("GET", path);
+  EXPECT_EQ(got.status, 200);
+  ASSERT_NE(got.file, nullptr);
+  EXPECT_EQ(got.file->read(0, 100), "hello");
+  EXPECT_EQ(got.media_type, "application/octet-stream");
+  EXPECT_EQ(header(got, "ETag"), '"' + hex_of("hello") + '"');
+  EXPECT_EQ(header(got, "Cache-Control"), "private, max-age=31536000, immutable");
+  EXPECT_EQ(send("HEAD", path).file->bytes, 5);
+  EXPECT_EQ(send("GET", path, "", {{"If-None-Match", header(got, "ETag")}}).status, 304);
+  EXPECT_EQ(send("DELETE", path).status, 204);
+  for (const char* method : {"GET", "HEAD", "DELETE"}) EXPECT_EQ(send(method, path).status, 404) << method;
+}
+
+TEST_F(AssetRoutesTest, RequestsReferToAssets) {
+  send("POST", "/v1/assets", kEmptyModel);
+  const std::string id = "asset:sha256-" + hex_of(kEmptyModel);
+  EXPECT_EQ(render(R"({"scene":{"model":")" + id + R"("}})").status, 200);
+  const Reply missing = render(R"({"scene":{"model":"asset:sha256-)" + hex_of("?") + R"("}})");
+  EXPECT_EQ(missing.status, 404);
+  EXPECT_THAT(missing.body, HasSubstr("/scene/model"));
+  EXPECT_EQ(render(R"({"environment":{"map":"asset:nonsense"}})").status, 422);
+  EXPECT_EQ(send("GET", "/v1/assets/" + hex_of(kEmptyModel) + "/inspect").status, 200);
+  EXPECT_EQ(send("GET", "/v1/assets/" + hex_of("?") + "/inspect").status, 404);
+}
+
+TEST_F(AssetRoutesTest, MetricsTellOfTheStore) {
+  send("POST", "/v1/assets", "hello");
+  const std::string text = send("GET", "/metrics").body;
+  EXPECT_THAT(text, HasSubstr("furnace_assets 1\n"));
+  EXPECT_THAT(text, HasSubstr("furnace_asset_bytes 4096\n"));
+  EXPECT_THAT(text, HasSubstr("furnace_asset_uploads_total 1\n"));
+}
+
+TEST_F(NoAssetRoutesTest, WithoutAFolderUploadsAreRefusedBeforeTheirBody) {
+  const Reply reply = send("POST", "/v1/assets", "hello");
+  EXPECT_EQ(reply.status, 507);
+  EXPECT_TRUE(was_unwanted_);
+  EXPECT_THAT(reply.body, HasSubstr("--data"));
+  EXPECT_EQ(send("PUT", "/v1/assets/" + hex_of("x"), "x").status, 507);
+  EXPECT_EQ(send("GET", "/v1/assets/" + hex_of("x")).status, 404);
+}
+
+}  // namespace
+}  // namespace furnace
