@@ -21,6 +21,7 @@ namespace {
 constexpr std::string_view kNoRoute = "none";        // metrics label of what no route took
 constexpr std::string_view kRetryBusySeconds = "1";  // a seat is free again within a picture's time
 constexpr std::string_view kRetryDownSeconds = "5";
+constexpr std::int64_t kAnyLength = 1ll << 60;  // of a body that is not read
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -154,7 +155,7 @@ Incoming Dispatcher::receive(const Request& head) const {
   } catch (const Error&) {
   } catch (const std::exception&) {
   }
-  return {nullptr, 0, true};
+  return {nullptr, kAnyLength, true};
 }
 
 const Route* Dispatcher::route_of(const Request& request) const {
