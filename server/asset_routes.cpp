@@ -75,7 +75,7 @@ Reply keep(AssetStore& store, const Request& request, const std::optional<Conten
 
 // An asset that is there already is answered from the head.
 Incoming receive_put(AssetStore& store, const Request& head) {
-  if (store.find(wanted_hash(head))) return {nullptr, 0, true};
+  if (store.find(wanted_hash(head))) return {nullptr, store.largest_bytes(), true};
   return {store.begin(), store.largest_bytes()};
 }
 

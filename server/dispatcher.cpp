@@ -22,6 +22,7 @@ namespace {
 constexpr std::string_view kNoRoute = "none";        // metrics label of what no route took
 constexpr std::string_view kRetryBusySeconds = "1";  // a seat is free again within a picture's time
 constexpr std::string_view kRetryDownSeconds = "5";
+constexpr std::int64_t kAnyLength = 1ll << 60;  // of a body that is not read
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -166,7 +167,7 @@ Reply Dispatcher::answer(const Request& request, std::string_view& route, Entry&
 Incoming Dispatcher::receive(const Request& head) const {
   const Route* route = route_of(head);
   if (route == nullptr || !route->receive) return {};
-  const Incoming unwanted{nullptr, 0, true};
+  const Incoming unwanted{nullptr, kAnyLength, true};
   if (gate_ != nullptr && !gate_->admits({route->scopes, route->draws}, head)) return unwanted;
   try {
     return route->receive(head);

@@ -337,7 +337,7 @@ void HttpServer::State::receive_head(httplib::Request& head, Exchange& exchange)
   request.id =
       is_sane_request_id(request.header("X-Request-Id")) ? request.headers["X-Request-Id"] : new_request_id();
   const Incoming incoming = dispatcher_.receive(request);
-  const std::int64_t max_body_bytes = incoming.sink ? incoming.max_bytes : config_.max_body_bytes;
+  const std::int64_t max_body_bytes = incoming.max_bytes > 0 ? incoming.max_bytes : config_.max_body_bytes;
   request.sink = incoming.sink;
   exchange.unwanted = incoming.is_unwanted;
   exchange.body.allow(max_body_bytes);
