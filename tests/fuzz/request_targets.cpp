@@ -7,6 +7,7 @@
 #include "api/inspect_request.hpp"
 #include "api/problem.hpp"
 #include "api/stored_render.hpp"
+#include "renderer/assets/zip_reader.hpp"
 #include "renderer/base/check.hpp"
 #include "renderer/base/error.hpp"
 #include "renderer/decode/channel.hpp"
@@ -76,6 +77,19 @@ void run_stored_render(Input input) {
   const api::StoredRender render = api::decode_stored_render(hash_bytes(input).hex() + "\n" + content);
   const api::StoredRender again = api::decode_stored_render(api::encode_stored_render(render));
   FURNACE_CHECK(again.bytes == render.bytes && again.frames == render.frames, "another render");
+}
+
+void run_zip(Input input) {
+  constexpr ZipLimits kLimits = {
+      .max_entries = 50, .max_total_bytes = 1 << 20, .max_ratio = 100, .free_bytes = 1 << 16};
+  const ZipReader archive(Blob(std::string(text_of(input))), kLimits);
+  std::int64_t bytes = 0;
+  for (const std::string& name : archive.names()) {
+    FURNACE_CHECK(!name.empty() && name.front() != '/' && !name.starts_with("../"), "{}", name);
+    if (const auto file = archive.read(name)) bytes += std::int64_t(file->size());
+  }
+  FURNACE_CHECK(bytes <= kLimits.max_total_bytes, "{} bytes", bytes);
+  model_in(archive);
 }
 
 // Input: the Content-Type; behind a zero byte the body.
@@ -209,6 +223,7 @@ constexpr std::array kTargets = {
     Target{"inspect_request", run_inspect_request, kMostHeadBytes, mutate_json},
     Target{"batch", run_batch, kMostHeadBytes, mutate_json},
     Target{"stored_render", run_stored_render, kMostHeadBytes, mutate_bytes},
+    Target{"zip", run_zip, kMostHeadBytes, mutate_bytes},
     Target{"multipart", run_multipart, kMostDocumentBytes, mutate_bytes},
     Target{"head", run_head, kMostHeadBytes, mutate_bytes},
     Target{"reply", run_reply, kMostReplyBytes, mutate_bytes},

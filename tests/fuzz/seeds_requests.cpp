@@ -5,6 +5,7 @@
 #include "renderer/decode/in_process_decoder.hpp"
 #include "renderer/decode/messages.hpp"
 #include "api/stored_render.hpp"
+#include "server/zip_archive.hpp"
 #include "tests/api/request_fixture.hpp"
 #include "tests/fuzz/seeds.hpp"
 #include "tests/support/model_files.hpp"
@@ -82,6 +83,20 @@ std::vector<std::string> replies() {
   return inputs;
 }
 
+// One file "m.obj" of 26 times "a", deflated; by hand, as the project writes stored ones only.
+std::string deflated_zip() {
+  constexpr std::uint32_t kChecksum = 0xe8b53ab8;
+  const std::string packed("KL\xc4\x05\x00", 5), name = "m.obj";
+  const std::string fields = number(20, 2) + number(0, 2) + number(8, 2) + number(0, 4) +
+                             number(kChecksum, 4) + number(std::uint32_t(packed.size()), 4) + number(26, 4) +
+                             number(std::uint32_t(name.size()), 2) + number(0, 2);
+  const std::string local = "PK\3\4" + fields + name + packed;
+  const std::string central = "PK\1\2" + number(20, 2) + fields + number(0, 2) + number(0, 2) + number(0, 2) +
+                              number(0, 4) + number(0, 4) + name;
+  return local + central + "PK\5\6" + number(0, 4) + number(1, 2) + number(1, 2) +
+         number(std::uint32_t(central.size()), 4) + number(std::uint32_t(local.size()), 4) + number(0, 2);
+}
+
 }  // namespace
 
 void add_request_seeds(Seeds& seeds) {
@@ -101,6 +116,7 @@ void add_request_seeds(Seeds& seeds) {
   const api::StoredRender render{"bytes", "image/png", 0.5, 2, {{"code", "/p", "what"}}, "{}"};
   constexpr std::size_t kChecksumLine = 65;
   seeds["stored_render"] = {api::encode_stored_render(render).substr(kChecksumLine)};
+  seeds["zip"] = {zip_archive({{"a/model.gltf", "{}"}, {"a/b.bin", std::string(64, 'x')}}), deflated_zip()};
   seeds["multipart"] = forms();
   seeds["head"] = heads();
   seeds["image_url"] = image_urls();

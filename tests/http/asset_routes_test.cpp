@@ -34,17 +34,10 @@ class AssetRoutesTest : public ::testing::Test {
     config.folder = folder_;
     config.largest_bytes = 1000;
     store_ = std::make_unique<AssetStore>(config);
-    doors_ = std::make_unique<Doors>(Doors{service_,
-                                           admission_,
-                                           files_,
-                                           decode::in_process_decoder(),
-                                           environments_,
-                                           readiness_,
-                                           metrics_,
-                                           {},
-                                           4,
-                                           nullptr,
-                                           store_.get()});
+    Doors doors{service_, admission_, files_, decode::in_process_decoder(), environments_, readiness_,
+                metrics_, {},         4};
+    doors.assets = store_.get();
+    doors_ = std::make_unique<Doors>(std::move(doors));
     dispatcher_ = std::make_unique<Dispatcher>(public_routes(*doors_, true), metrics_);
   }
   ~AssetRoutesTest() override {
