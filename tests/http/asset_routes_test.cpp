@@ -34,8 +34,9 @@ class AssetRoutesTest : public ::testing::Test {
     config.folder = folder_;
     config.largest_bytes = 1000;
     store_ = std::make_unique<AssetStore>(config);
-    Doors doors{service_, admission_, files_, decode::in_process_decoder(), environments_, readiness_,
-                metrics_, {},         4};
+    const api::Capabilities capabilities;
+    Doors doors{service_, admission_,   files_, decode::in_process_decoder(), environments_, readiness_,
+                metrics_, capabilities, 4};
     doors.assets = store_.get();
     doors_ = std::make_unique<Doors>(std::move(doors));
     dispatcher_ = std::make_unique<Dispatcher>(public_routes(*doors_, true), metrics_);
