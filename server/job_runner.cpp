@@ -36,6 +36,10 @@ JobRunner::~JobRunner() {
 }
 
 void JobRunner::wake() {
+  {
+    const std::lock_guard lock(mutex_);
+    woken_ = true;
+  }
   changed_.notify_one();
 }
 
@@ -49,6 +53,7 @@ bool JobRunner::remove(const std::string& id) {
 void JobRunner::run_thread() {
   std::unique_lock lock(mutex_);
   while (!stopping_) {
+    woken_ = false;
     lock.unlock();
     bool worked = false;
     try {
@@ -59,7 +64,7 @@ void JobRunner::run_thread() {
       log::error("jobs.failed", {{"detail", error.what()}});
     }
     lock.lock();
-    if (!worked && !stopping_) changed_.wait_for(lock, kPause);
+    if (!worked) changed_.wait_for(lock, kPause, [this] { return stopping_ || woken_; });
   }
 }
 

@@ -49,6 +49,7 @@ class JobRunner {
   std::mutex mutex_;  // of the members below
   std::condition_variable changed_;
   bool stopping_ = false;
+  bool woken_ = false;  // since somebody looked for work last
   std::map<std::string, std::stop_source> running_;
   std::vector<std::thread> threads_;
 };
