@@ -7,9 +7,11 @@
 
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <unistd.h>
 
 #include "renderer/base/content_hash.hpp"
 #include "renderer/base/error.hpp"
+#include "renderer/base/log.hpp"
 
 namespace furnace {
 
@@ -207,12 +209,15 @@ using Status = std::int64_t;
 static_assert(Status(JobStatus::kRunning) == 1 && Status(JobStatus::kQueued) == 0);
 
 JobStore::JobStore(const std::filesystem::path& folder, const JobLimits& limits) : limits_(limits) {
-  if (folder.empty()) {
+  std::error_code error;
+  if (!folder.empty()) std::filesystem::create_directories(folder, error);
+  const bool is_kept = !folder.empty() && ::access(folder.c_str(), W_OK | X_OK) == 0;
+  if (!is_kept) {
+    if (!folder.empty())
+      log::error("jobs.not_kept", {{"path", folder.string()}, {"reason", "the folder cannot be written to"}});
     database_ = std::make_unique<Database>(":memory:");
     return;
   }
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
   database_ = std::make_unique<Database>((folder / "jobs.sqlite").string());
   Database::Transaction whole(*database_);
   Database::Statement(

@@ -50,7 +50,8 @@ struct JobLimits {
   int max_attempts = 3;                       // that ended with the process
 };
 
-// One SQLite database, FOLDER/jobs.sqlite, or in memory without a folder. Every change is on the disk when its function returns.
+// One SQLite database, FOLDER/jobs.sqlite, or in memory without a folder, or with one that cannot be written to: then the log
+// says so, and jobs end with the process. Every change is on the disk when its function returns.
 // Errors of all: kStorage.
 // Threads: any. Owns: the database; one object per folder and process.
 class JobStore {

@@ -159,6 +159,13 @@ TEST_F(JobStoreTest, WhatWasPutBackHasNotBeenTried) {
   EXPECT_EQ(store.find(id)->status, JobStatus::kQueued);
 }
 
+TEST_F(JobStoreTest, WithoutAFolderToWriteToItWorksInMemory) {
+  std::fclose(std::fopen(folder_.c_str(), "wb"));  // a file where the folder should be
+  JobStore store(folder_, {});
+  const std::string id = store.create(request("a"), 0).job.id;
+  EXPECT_EQ(store.begin(0)->id, id);
+}
+
 TEST_F(JobStoreTest, AForeignFileIsRefused) {
   fs::create_directories(folder_);
   for (const std::string& content :
