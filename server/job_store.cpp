@@ -59,7 +59,9 @@ std::string_view name_of(JobStatus status) {
 // Threads: one at a time. Owns: the connection.
 struct JobStore::Database {
   explicit Database(const std::string& name) {
-    if (sqlite3_open(name.c_str(), &handle) != SQLITE_OK) refuse("open");
+    const int outcome = sqlite3_open(name.c_str(), &handle);
+    owner.reset(handle);  // which is there after a failure, too
+    if (outcome != SQLITE_OK) refuse("open");
     sqlite3_extended_result_codes(handle, 1);
     constexpr int kBusyMs = 5000;
     sqlite3_busy_timeout(handle, kBusyMs);
@@ -73,7 +75,6 @@ struct JobStore::Database {
     run(kSchema);
     run(fmt::format("PRAGMA user_version={}", kSchemaVersion).c_str());
   }
-  ~Database() { sqlite3_close(handle); }
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
 
@@ -201,6 +202,10 @@ struct JobStore::Database {
     int done = 0, of = 0;
   };
 
+  struct Close {
+    void operator()(sqlite3* connection) const { sqlite3_close(connection); }
+  };
+  std::unique_ptr<sqlite3, Close> owner;
   sqlite3* handle = nullptr;
   std::vector<Progress> progress;  // of what runs; not worth a write
 };
