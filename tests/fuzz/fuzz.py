@@ -19,7 +19,7 @@ KEPT = pathlib.Path("build/fuzz")  # corpora that grew, findings, logs
 
 # Changed inputs of a short run: a second or two each.
 SHORT_RUNS = 1000
-SHORTER_RUNS = {"gltf": 200, "glb": 200, "inspect": 150, "accessor": 500, "request": 200, "inspect_request": 200, "batch": 200}
+SHORTER_RUNS = {"gltf": 200, "glb": 200, "inspect": 150, "accessor": 500, "request": 200, "inspect_request": 200, "batch": 200, "obj": 200}
 
 FLAGS = ("-timeout=10", "-rss_limit_mb=1024", "-print_final_stats=1", "-verbosity=1")
 ENVIRONMENT = {"LSAN_OPTIONS": f"suppressions={HERE / 'leaks.supp'}:print_suppressions=0",
