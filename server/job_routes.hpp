@@ -23,6 +23,7 @@ class JobDoors {
   Reply accept(const Request& request);
 
   std::vector<Route> routes();
+  int waiting() { return store_.waiting(); }
 
  private:
   Reply get(const Request& request);

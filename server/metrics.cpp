@@ -50,6 +50,8 @@ Metrics::Metrics(std::string_view build)
           BuildGauge().Name("furnace_seats_in_use").Help("Renders worked on").Register(registry_).Add({})),
       queue_length(
           BuildGauge().Name("furnace_queue_length").Help("Renders waiting").Register(registry_).Add({})),
+      jobs_waiting(
+          BuildGauge().Name("furnace_jobs_waiting").Help("Jobs not yet begun").Register(registry_).Add({})),
       renders(
           BuildCounter().Name("furnace_renders_total").Help("Pictures drawn").Register(registry_).Add({})),
       not_modified(BuildCounter()

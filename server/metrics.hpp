@@ -34,6 +34,7 @@ class Metrics {
 
   prometheus::Gauge& seats_in_use;
   prometheus::Gauge& queue_length;
+  prometheus::Gauge& jobs_waiting;
 
   prometheus::Counter& renders;
   prometheus::Counter& not_modified;

@@ -195,6 +195,7 @@ Reply plain(std::string text) {
 Reply get_metrics(const Doors& doors) {
   doors.metrics.seats_in_use.Set(doors.admission.seats_in_use());
   doors.metrics.queue_length.Set(doors.admission.waiting());
+  if (doors.jobs != nullptr) doors.metrics.jobs_waiting.Set(doors.jobs->waiting());
   if (doors.assets != nullptr) doors.metrics.observe_assets(doors.assets->stats());
   if (doors.decoders != nullptr) doors.metrics.observe_decoders(doors.decoders->stats());
   return Reply{200, "text/plain; version=0.0.4; charset=utf-8", doors.metrics.text(), {}}.with(

@@ -135,6 +135,7 @@ class Jobs(Case):
             while self.job(server, running)["status"] == "queued":
                 time.sleep(0.02)
             self.ask(server, small())
+            self.assertEqual(server.metric("furnace_jobs_waiting"), 1)
             answer = server.render(small(width=20), *ASYNC)
             self.expect_problem(answer, 429)
             self.assertTrue(int(answer.headers["retry-after"]) > 0)
