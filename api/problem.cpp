@@ -45,6 +45,16 @@ StatusRow status_row(ErrorCode code) {
 
 }  // namespace
 
+std::string blank_problem_json(int status, std::string_view title, std::string_view detail,
+                               std::string_view request_id) {
+  return nlohmann::ordered_json{{"type", "about:blank"},
+                                {"title", title},
+                                {"status", status},
+                                {"detail", detail},
+                                {"instance", request_id}}
+      .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
 int http_status(ErrorCode code) {
   return status_row(code).status;
 }

@@ -381,7 +381,7 @@ bool HttpServer::State::receive_body(const httplib::ContentReader& reader, Excha
 void HttpServer::State::answer(Exchange& exchange, httplib::Response& out) {
   const InFlight::Entry entry(in_flight_, exchange.io.socket());
   exchange.request.deadline = Deadline(config_.timeout, entry.token());
-  fill(out, dispatcher_.handle(exchange.request));
+  fill(out, dispatcher_.handle(std::move(exchange.request)));
   exchange.drop_body();
   exchange.replied = true;
 }

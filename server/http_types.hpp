@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "renderer/base/deadline.hpp"
+#include "server/access.hpp"
 #include "server/file_body.hpp"
 
 namespace furnace {
@@ -36,6 +37,13 @@ class BodySink {
   virtual void take(std::string_view bytes) = 0;
 };
 
+// Who asks, as the gate found: nobody in particular where no keys are asked for.
+struct Client {
+  std::string name;
+  Scopes scopes = scope::kAll;
+  std::int64_t asset_bytes = 0;  // what its assets may have together; 0: any
+};
+
 // Threads: one. Owns: its bytes.
 struct Request {
   std::string method;                                      // "GET", ...
@@ -46,6 +54,7 @@ struct Request {
   std::shared_ptr<BodySink> sink;  // has taken the body instead, all of it; null: it is in `body`
   std::string id;                  // request id: goes into the log, the reply and problem documents
   Deadline deadline;
+  Client client = {};
 
   std::string_view header(std::string_view name) const {
     const auto found = headers.find(name);
