@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "renderer/assets/asset_resolver.hpp"
+#include "renderer/assets/zip_reader.hpp"
 #include "renderer/base/file.hpp"
 #include "renderer/base/log.hpp"
 #include "renderer/gl/context.hpp"
@@ -93,9 +94,9 @@ Job make_job(const Arguments& arguments, const RenderOptions& options, Job job) 
     return job;
   }
   std::string content = read_input(arguments.input, arguments.config.max_file_bytes);
-  const bool is_other_model =
-      model_format(std::as_bytes(std::span(content)), arguments.input) != ModelFormat::kGltf;
-  if (content.starts_with(kGlbMagic) || is_other_model) {
+  const auto bytes = std::as_bytes(std::span(content));
+  const bool is_other_model = model_format(bytes, arguments.input) != ModelFormat::kGltf;
+  if (content.starts_with(kGlbMagic) || is_other_model || is_zip(bytes)) {
     job.parts[kModelPart] = Blob(std::move(content));
     job.document = request_document(options, fmt::format("part:{}", kModelPart));
     job.document_is_ours = true;
