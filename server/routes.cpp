@@ -128,7 +128,7 @@ void count_render(Metrics& metrics, const RenderSpec& spec, const Rendered& rend
 Reply post_render(const Doors& doors, const Request& request) {
   const RequestBody body = read_body(request, doors.max_parts);
   if (doors.jobs == nullptr || !JobDoors::is_asked_for(request)) return answer_document(doors, request, body);
-  parse_spec(body, request.header("Accept"), doors);  // what is wrong is told at once
+  parse_spec(body, request.header("Accept"), doors, request.deadline);  // what is wrong is told at once
   return doors.jobs->accept(request);
 }
 
@@ -195,7 +195,10 @@ Reply plain(std::string text) {
 Reply get_metrics(const Doors& doors) {
   doors.metrics.seats_in_use.Set(doors.admission.seats_in_use());
   doors.metrics.queue_length.Set(doors.admission.waiting());
-  if (doors.jobs != nullptr) doors.metrics.jobs_waiting.Set(doors.jobs->waiting());
+  if (doors.jobs != nullptr) {
+    doors.metrics.jobs_waiting.Set(doors.jobs->waiting());
+    doors.metrics.webhooks_unfinished.Set(double(doors.jobs->unfinished_webhooks()));
+  }
   if (doors.assets != nullptr) doors.metrics.observe_assets(doors.assets->stats());
   if (doors.decoders != nullptr) doors.metrics.observe_decoders(doors.decoders->stats());
   return Reply{200, "text/plain; version=0.0.4; charset=utf-8", doors.metrics.text(), {}}.with(
@@ -212,7 +215,7 @@ Reply get_ready(const Doors& doors) {
 }  // namespace
 
 Reply answer_document(const Doors& doors, const Request& request, const RequestBody& body) {
-  const RenderSpec spec = parse_spec(body, request.header("Accept"), doors);
+  const RenderSpec spec = parse_spec(body, request.header("Accept"), doors, request.deadline);
   const ContentHash tag = doors.service.etag(spec);
   const std::string etag = tag.hex();
   if (etag_matches(request.header("If-None-Match"), etag)) {
@@ -257,10 +260,11 @@ void Readiness::check(std::chrono::milliseconds timeout) {
 }
 
 // A format in the document wins, unless Accept excludes it; without one Accept chooses.
-RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Doors& doors) {
+RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Doors& doors,
+                      const Deadline& deadline) {
   const OutputFormat preferred = preferred_format(accept);
   const api::Capabilities& can = doors.capabilities;
-  const AssetResolver assets = references(doors, body.parts);
+  const AssetResolver assets = references(doors, body.parts, deadline);
   const RenderSpec spec = api::parse_render_request(body.document, assets, can.request, preferred);
   const std::string_view media_type = api::media_type_of(spec.output);
   if (quality_of(accept, media_type) > 0) return spec;
@@ -281,7 +285,7 @@ std::string draw_job(const Doors& doors, const JobRequest& job, const Deadline& 
   request.body = job.body;
   const RequestBody body = read_body(request, doors.max_parts);
   if (job.target == kBatches) return api::encode_stored_render(draw_batch(doors, body, deadline, progress));
-  const RenderSpec spec = parse_spec(body, job.accept, doors);
+  const RenderSpec spec = parse_spec(body, job.accept, doors, deadline);
   const Rendered rendered = doors.service.render(spec, deadline, progress);
   count_render(doors.metrics, spec, rendered);
   return api::encode_stored_render(*rendered.image);
