@@ -15,6 +15,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::int64_t kEntryBytes = 1024;  // what an entry costs beside its file
+constexpr milliseconds kLongestWait{5000};  // for a place among the fetches
 constexpr std::int64_t kStepsBack = 10;     // how far back an entity tag is looked for
 
 // As a path of a URL: what is special in a URL is not so in a file's name.
@@ -126,7 +127,7 @@ std::shared_ptr<const RemoteFiles::Fetched> RemoteFiles::fetch(const OutboundUrl
 
 RemoteFiles::Fetched RemoteFiles::ask(const OutboundUrl& url, const std::shared_ptr<const Fetched>& before,
                                       const Deadline& deadline) {
-  if (!places_.try_acquire_until(std::min(deadline.end(), Clock::now() + milliseconds(5000))))
+  if (!places_.try_acquire_until(std::min(deadline.end(), Clock::now() + kLongestWait)))
     fail(ErrorCode::kOverloaded, "too many files are being fetched; try again later");
   const std::shared_ptr<void> place(nullptr, [this](void*) { places_.release(); });
   OutboundRequest request{url};
