@@ -85,7 +85,8 @@ class JobStore {
   std::optional<Job> find(const std::string& id);
   // As it was given to succeed.
   std::optional<std::string> result(const std::string& id);
-  // What waits or runs becomes cancelled, what is finished goes, with a webhook that was not yet delivered. False: there is no such job.
+  // What waits or runs becomes cancelled; what is finished goes, with a webhook that was not yet delivered. False: there is no
+  // such job.
   bool remove(const std::string& id, std::int64_t now_ms);
 
   int waiting();

@@ -117,6 +117,7 @@ void WebhookSender::deliver(const DeliveryWork& work) {
   const Verdict verdict = judge(answer, config_.retries, work.attempts, work.due_ms, now_ms, chance_of(work));
   metrics_.webhook_attempts.Add({{"result", std::string(metric_of(verdict.kind))}}).Increment();
   log::info("webhook.attempt", {{"id", work.id},
+                                {"origin", work.webhook.origin},
                                 {"attempt", work.attempts},
                                 {"outcome", outcome_of(answer)},
                                 {"result", metric_of(verdict.kind)},
