@@ -18,6 +18,7 @@ constexpr std::string_view kKind = "furnace-bundle-1";
 // What of a reference a person recognises, and its ending, from which a model's format may be told.
 std::string plain_name(std::string_view reference) {
   constexpr std::size_t kMostBytes = 80;
+  if (reference.starts_with("http")) reference = reference.substr(0, reference.find('?'));
   std::string_view last = reference.substr(reference.find_last_of("/:") + 1);
   if (last.size() > kMostBytes) last.remove_prefix(last.size() - kMostBytes);
   std::string name;

@@ -68,6 +68,8 @@ std::string capabilities_json(const Capabilities& capabilities) {
   const OrderedJson document = {
       {"version", version_members(capabilities.version)},
       {"softwareGl", capabilities.software_gl},
+      {"remoteFiles", capabilities.remote_files},
+      {"webhooks", capabilities.webhooks},
       {"output", {{"formats", formats()}, {"qualitySamples", qualities()}, {"layers", film_layers()}}},
       {"limits", limits(capabilities)},
       {"gltfExtensions", supported_gltf_extensions()},

@@ -27,6 +27,8 @@ struct Capabilities {
   std::int64_t max_body_bytes = 64ll << 20;
   int max_texture_px = 0;
   bool software_gl = false;
+  bool remote_files = false;  // https: references are fetched, from the hosts that the operator allows
+  bool webhooks = false;      // jobs tell of their end
 };
 
 std::string capabilities_json(const Capabilities& capabilities);

@@ -33,6 +33,8 @@ StatusRow status_row(ErrorCode code) {
       return {429, "Too many requests"};
     case ErrorCode::kInternal:
       return {500, "Internal error"};
+    case ErrorCode::kBadGateway:
+      return {502, "Another server failed"};
     case ErrorCode::kGpuUnavailable:
       return {503, "Graphics unavailable"};
     case ErrorCode::kDeadlineExceeded:

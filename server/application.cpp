@@ -6,6 +6,8 @@
 #include <thread>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "renderer/base/check.hpp"
 #include "renderer/base/error.hpp"
 #include "renderer/base/log.hpp"
@@ -75,7 +77,46 @@ api::Capabilities capabilities(const Config& config, const Renderer& renderer) {
   out.max_body_bytes = config.max_body_bytes;
   out.max_texture_px = renderer.limits().max_texture_px;
   out.software_gl = renderer.limits().software;
+  out.remote_files = !config.remote_allow.empty();
+  out.webhooks = !config.webhook_allow.empty();
   return out;
+}
+
+OutboundConfig outbound_config(const Config& config) {
+  OutboundConfig out;
+  out.user_agent = fmt::format("furnace/{}", version());
+  out.ca_file = config.outbound_ca_file;
+  return out;
+}
+
+std::unique_ptr<WebhookSender> webhook_sender(const Config& config, JobStore& jobs, Metrics& metrics) {
+  constexpr std::int64_t kMostReplyBytes = 64 << 10;  // nobody reads it
+  if (config.webhook_allow.empty()) return nullptr;
+  OutboundConfig client = outbound_config(config);
+  client.timeout = client.connect_timeout = milliseconds(config.webhook_timeout_ms);
+  client.max_bytes = kMostReplyBytes;
+  client.max_redirects = 0;
+  WebhookConfig out;
+  out.threads = config.webhook_threads;
+  out.keys_file = config.webhook_secrets_file;
+  out.retries.max_attempts = config.webhook_attempts;
+  out.retries.first_pause_ms = config.webhook_pause_ms;
+  out.retries.max_age_ms = config.webhook_max_age_ms;
+  return std::make_unique<WebhookSender>(jobs, OutboundClient(AllowList(config.webhook_allow), client), out,
+                                         metrics);
+}
+
+std::unique_ptr<RemoteFiles> remote_files(const Config& config, Metrics& metrics) {
+  if (config.remote_allow.empty()) return nullptr;
+  OutboundConfig client = outbound_config(config);
+  client.timeout = milliseconds(config.remote_timeout_ms);
+  client.max_bytes = config.remote_max_bytes;
+  RemoteConfig out;
+  out.max_request_bytes = config.remote_request_bytes;
+  out.max_fetches = config.remote_fetches;
+  out.freshness = milliseconds(config.remote_freshness_ms);
+  out.cache_bytes = config.remote_cache_bytes;
+  return std::make_unique<RemoteFiles>(OutboundClient(AllowList(config.remote_allow), client), out, metrics);
 }
 
 JobLimits job_limits(const Config& config) {
@@ -84,6 +125,7 @@ JobLimits job_limits(const Config& config) {
   limits.max_waiting = config.job_queue;
   limits.max_bytes = config.data.empty() ? std::min(config.job_bytes, kMostInMemory) : config.job_bytes;
   limits.keep_ms = config.job_ttl_ms;
+  limits.max_deliveries = config.webhook_queue;
   return limits;
 }
 
@@ -151,6 +193,8 @@ Application::Application(const Config& config)
       readiness_([this](const Deadline& deadline) { return engine_.renderer.probe(deadline); },
                  milliseconds(config_.ready_timeout_ms)),
       jobs_(config_.data, job_limits(config_)),
+      webhooks_(webhook_sender(config_, jobs_, metrics_)),
+      remote_(remote_files(config_, metrics_)),
       doors_{engine_.service,
              engine_.admission,
              engine_.files,
@@ -166,16 +210,21 @@ Application::Application(const Config& config)
              presets(config_),
              {config_.image_max_age_ms / 1000, config_.presets_only == "on"},
              &assets_,
+             remote_.get(),
              [this] { return engine_.renderer.context_stats(); },
              config_.determinism == "exact",
              config_.max_bundle_bytes},
-      job_runner_(jobs_,
-                  [this](const JobRequest& request, const Deadline& deadline,
-                         const RenderService::Progress& progress) {
-                    return draw_job(doors_, request, deadline, progress);
-                  },
-                  {config_.job_threads, milliseconds(config_.job_timeout_ms)}),
-      job_doors_(jobs_, job_runner_, config_.event_streams),
+      job_runner_(
+          jobs_,
+          [this](const JobRequest& request, const Deadline& deadline,
+                 const RenderService::Progress& progress) {
+            return draw_job(doors_, request, deadline, progress);
+          },
+          {config_.job_threads, milliseconds(config_.job_timeout_ms)},
+          [this] {
+            if (webhooks_) webhooks_->wake();
+          }),
+      job_doors_(jobs_, job_runner_, config_.event_streams, AllowList(config_.webhook_allow)),
       public_dispatcher_(public_routes(doors_, config_.admin_listen.empty()), metrics_, &gate_),
       admin_dispatcher_(operation_routes(doors_, true), metrics_),
       admin_server_(
@@ -214,6 +263,7 @@ bool Application::hangs() const {
 void Application::reload_keys() {
   try {
     gate_.reload();
+    if (webhooks_) webhooks_->reload();
     log::info("keys.reloaded");
   } catch (const Error& error) {
     log::error("keys.kept", {{"message", error.message}, {"detail", error.detail}});

@@ -18,8 +18,10 @@
 #include "server/http_server.hpp"
 #include "server/job_routes.hpp"
 #include "server/metrics.hpp"
+#include "server/remote_files.hpp"
 #include "server/render_service.hpp"
 #include "server/routes.hpp"
+#include "server/webhook_sender.hpp"
 
 namespace furnace {
 
@@ -73,6 +75,8 @@ class Application {
   AssetStore assets_;
   Readiness readiness_;
   JobStore jobs_;
+  const std::unique_ptr<WebhookSender> webhooks_;  // null: none are called
+  const std::unique_ptr<RemoteFiles> remote_;      // null: nothing is fetched
   const Doors doors_;
   JobRunner job_runner_;
   JobDoors job_doors_;

@@ -281,12 +281,15 @@ std::vector<Route> asset_routes(const Doors& doors) {
   };
 }
 
-AssetResolver references(const Doors& doors, std::map<std::string, Blob> parts) {
-  return {doors.files, std::move(parts), doors.capabilities.import,
+AssetResolver references(const Doors& doors, std::map<std::string, Blob> parts, const Deadline& deadline) {
+  return {doors.files,
+          std::move(parts),
+          doors.capabilities.import,
           [&environments = doors.environments](const std::string& name) { return environments.find(name); },
           [store = doors.assets](const std::string& id) -> std::optional<Blob> {
             return store == nullptr ? std::nullopt : store->read(parse_asset_id(id));
-          }};
+          },
+          doors.remote == nullptr ? AssetResolver::RemoteFiles() : doors.remote->of_request(deadline)};
 }
 
 }  // namespace furnace

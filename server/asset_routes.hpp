@@ -14,7 +14,7 @@ namespace furnace {
 // None where Doors::assets is null.
 std::vector<Route> asset_routes(const Doors& doors);
 
-// The files of a request and all that this server keeps.
-AssetResolver references(const Doors& doors, std::map<std::string, Blob> parts);
+// The files of a request, all that this server keeps, and what it may fetch until the deadline.
+AssetResolver references(const Doors& doors, std::map<std::string, Blob> parts, const Deadline& deadline);
 
 }  // namespace furnace

@@ -19,11 +19,11 @@ struct Planned {
   RenderSpec spec;
 };
 
-std::vector<Planned> plan(const Doors& doors, const RequestBody& body) {
+std::vector<Planned> plan(const Doors& doors, const RequestBody& body, const Deadline& deadline) {
   std::vector<Planned> planned;
   for (api::BatchItem& item : api::parse_batch(body.document, doors.capabilities.request, doors.max_batch)) {
     try {
-      RenderSpec spec = parse_spec({item.document, body.parts}, {}, doors);
+      RenderSpec spec = parse_spec({item.document, body.parts}, {}, doors, deadline);
       planned.push_back({std::move(item), std::move(spec)});
     } catch (Error& error) {
       error.message = fmt::format("{}: {}", item.name, error.message);
@@ -48,7 +48,7 @@ bool ends_the_batch(const Error& error) {
 
 api::StoredRender draw_batch(const Doors& doors, const RequestBody& body, const Deadline& deadline,
                              const RenderService::Progress& progress) {
-  const std::vector<Planned> planned = plan(doors, body);
+  const std::vector<Planned> planned = plan(doors, body, deadline);
   const auto count = int(planned.size());
   std::vector<ArchiveFile> files;
   std::vector<api::BatchOutcome> outcomes;
@@ -81,7 +81,7 @@ api::StoredRender draw_batch(const Doors& doors, const RequestBody& body, const 
 Reply post_batch(const Doors& doors, const Request& request) {
   const RequestBody body = read_body(request, doors.max_parts);
   if (doors.jobs != nullptr && JobDoors::is_asked_for(request)) {
-    plan(doors, body);
+    plan(doors, body, request.deadline);
     return doors.jobs->accept(request);
   }
   api::StoredRender batch = draw_batch(doors, body, request.deadline, {});

@@ -26,7 +26,7 @@ void check_size(const api::SelfContained& request, std::int64_t max_bytes) {
 Reply post_bundle(const Doors& doors, const Request& request) {
   const RequestBody body = read_body(request, doors.max_parts);
   std::vector<ReadReference> reads;
-  const RenderSpec spec = parse_spec(body, {}, doors, &reads);
+  const RenderSpec spec = parse_spec(body, {}, doors, request.deadline, &reads);
   api::SelfContained contained = api::self_contained(body.document, reads, spec.output);
   check_size(contained, doors.max_bundle_bytes);
   const Rendered rendered = doors.service.render(spec, request.deadline);

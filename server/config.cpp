@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "server/cors.hpp"
+#include "server/outbound_url.hpp"
 #include "server/settings.hpp"
 
 namespace furnace {
@@ -119,6 +120,20 @@ void check_reach(LoadedConfig& loaded) {
         config.listen));
 }
 
+void check_outbound(LoadedConfig& loaded) {
+  const Config& config = loaded.config;
+  if (const std::string fault = AllowList::fault(config.remote_allow); !fault.empty())
+    loaded.problems.push_back("remote-allow: " + fault);
+  if (const std::string fault = AllowList::fault(config.webhook_allow); !fault.empty())
+    loaded.problems.push_back("webhook-allow: " + fault);
+  if (!config.webhook_allow.empty() && config.webhook_secrets_file.empty())
+    loaded.problems.push_back(
+        "webhook-allow: webhook-secrets-file is needed, so that receivers can tell who calls");
+  if (config.remote_request_bytes < config.remote_max_bytes)
+    loaded.problems.push_back(
+        "remote-max-request: is less than remote-max-bytes, so that the largest file could never come in");
+}
+
 // What no single setting can know.
 void check_together(LoadedConfig& loaded) {
   const Config& config = loaded.config;
@@ -132,6 +147,7 @@ void check_together(LoadedConfig& loaded) {
   }
   if (const std::string fault = Cors::fault(config.cors_origins); !fault.empty())
     loaded.problems.push_back("cors-origins: " + fault);
+  check_outbound(loaded);
   check_reach(loaded);
 }
 

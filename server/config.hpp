@@ -41,6 +41,24 @@ struct Config {
   std::int64_t job_bytes = 4096ll << 20;
   int event_streams = 8;
 
+  std::string webhook_allow;  // as AllowList; empty: none are called
+  std::string webhook_secrets_file;
+  int webhook_threads = 8;
+  int webhook_queue = 10'000;
+  int webhook_attempts = 10;
+  std::int64_t webhook_timeout_ms = 10'000;  // of one attempt
+  std::int64_t webhook_pause_ms = 5'000;     // before the second attempt
+  std::int64_t webhook_max_age_ms = 24ll * 3600 * 1000;
+
+  std::string remote_allow;                         // as AllowList; empty: nothing is fetched
+  std::int64_t remote_max_bytes = 64ll << 20;       // of one file
+  std::int64_t remote_request_bytes = 256ll << 20;  // of all files of one request
+  std::int64_t remote_timeout_ms = 5'000;           // of one file
+  int remote_fetches = 8;                           // at once
+  std::int64_t remote_freshness_ms = 60'000;
+  std::int64_t remote_cache_bytes = 256ll << 20;
+  std::string outbound_ca_file;  // empty: the system's certificates
+
   std::int64_t max_body_bytes = 64ll << 20;
   std::int64_t max_bodies_bytes = 512ll << 20;
   int max_parts = 64;

@@ -8,7 +8,7 @@ namespace furnace {
 namespace {
 
 constexpr std::string_view kRequestHeaders =
-    "Accept, Authorization, Content-Type, If-None-Match, Prefer, X-Api-Key, X-Request-Id";
+    "Accept, Authorization, Content-Type, Furnace-Webhook, If-None-Match, Prefer, X-Api-Key, X-Request-Id";
 constexpr std::string_view kReplyHeaders =
     "Cache-Status, Content-Location, ETag, Furnace-Exposure-Ev, Furnace-Fingerprint, Furnace-Notes, Link, "
     "Location, RateLimit, "

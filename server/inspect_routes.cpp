@@ -23,8 +23,8 @@ RequestBody read_inspect_body(const Request& request, int max_parts) {
 
 Reply inspect_model(const Doors& doors, std::string_view document, std::map<std::string, Blob> parts,
                     const Deadline& deadline) {
-  const api::InspectRequest wanted =
-      api::parse_inspect_request(document, references(doors, std::move(parts)), doors.capabilities.request);
+  const api::InspectRequest wanted = api::parse_inspect_request(
+      document, references(doors, std::move(parts), deadline), doors.capabilities.request);
   const Admission::Seat seat = doors.admission.enter(deadline);
   const ModelReport report = with_context("/model", [&] {
     return inspect_model(doors.decoder, *wanted.model, wanted.options, doors.capabilities.import, deadline);

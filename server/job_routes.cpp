@@ -8,34 +8,23 @@
 #include <fmt/format.h>
 
 #include "renderer/base/error.hpp"
-#include "api/job_report.hpp"
 #include "api/stored_render.hpp"
+#include "server/job_document.hpp"
 #include "server/negotiation.hpp"
+#include "server/webhook.hpp"
 
 namespace furnace {
 namespace {
 
-constexpr std::string_view kJobs = "/v1/jobs/", kJson = "application/json";
-constexpr std::string_view kResult = "/result", kEvents = "/events";
+constexpr std::string_view kJson = "application/json", kEvents = "/events";
+constexpr std::string_view kWebhook = "Furnace-Webhook";
 constexpr std::size_t kIdDigits = 32, kMostKeyBytes = 255;
 constexpr int kMostPriority = 9;
 constexpr std::chrono::milliseconds kLook{200}, kSignOfLife{10'000};
 
-std::string location(const std::string& id) {
-  return fmt::format("{}{}", kJobs, id);
-}
-
-std::string report(const Job& job) {
-  api::JobReport report{
-      job.id,          name_of(job.status), job.priority, job.created_ms, job.started_ms, job.finished_ms,
-      job.frames_done, job.frames,          {},           job.problem};
-  if (job.status == JobStatus::kSucceeded) report.result = location(job.id) + std::string(kResult);
-  return api::job_report_json(report);
-}
-
 Reply reply_of(int status, const Job& job) {
-  Reply reply{status, std::string(kJson), report(job) + "\n", {}};
-  reply.with("Cache-Control", "no-store").with("Location", location(job.id));
+  Reply reply{status, std::string(kJson), job_document(job) + "\n", {}};
+  reply.with("Cache-Control", "no-store").with("Location", job_location(job.id));
   if (!is_finished(job.status)) reply.with("Retry-After", "1");
   return reply;
 }
@@ -78,6 +67,24 @@ std::optional<std::string> idempotency_key(const Request& request) {
   return std::string(text);
 }
 
+std::optional<Webhook> webhook_of(const Request& request, const AllowList& allowed) {
+  const std::string_view text = request.header(kWebhook);
+  if (text.empty()) return std::nullopt;
+  if (allowed.empty())
+    fail(ErrorCode::kUnprocessable,
+         "This server calls no webhooks: its operator names the hosts it may call with webhook-allow.");
+  const std::optional<OutboundUrl> url = parse_outbound_url(text);
+  if (!url)
+    fail(ErrorCode::kInvalidRequest,
+         fmt::format("{} is an https URL with a plain host, without user and password.", kWebhook));
+  if (!allowed.allows(*url))
+    fail(ErrorCode::kUnprocessable,
+         fmt::format("{}: this host is not among those that the server may call.", kWebhook));
+  const std::string_view trace = request.header("traceparent");
+  return Webhook{url->text, fmt::format("{}://{}:{}", url->scheme, url->host, url->port),
+                 is_traceparent(trace) ? std::string(trace) : std::string()};
+}
+
 // HTML, 9.2: server-sent events. One whenever something has changed, the last one when the job is finished.
 class EventStream {
  public:
@@ -90,7 +97,7 @@ class EventStream {
     while (!deadline_.passed()) {
       const std::optional<Job> job = store_.find(id_);
       if (!job) return false;
-      std::string text = report(*job);
+      std::string text = job_document(*job);
       if (text != last_) {
         piece = fmt::format("event: {}\ndata: {}\n\n", name_of(job->status), text);
         last_ = std::move(text);
@@ -118,12 +125,16 @@ class EventStream {
 bool JobDoors::is_asked_for(const Request& request) {
   const std::string_view prefer = request.header("Prefer");
   const std::size_t at = prefer.find("respond-async");
-  if (at == prefer.npos) return false;
   const std::size_t end = at + std::string_view("respond-async").size();
   const auto is_edge = [&](std::size_t i) {
     return std::string_view(", ;\t").find(prefer[i]) != prefer.npos;
   };
-  return (at == 0 || is_edge(at - 1)) && (end == prefer.size() || is_edge(end));
+  const bool is_asked =
+      at != prefer.npos && (at == 0 || is_edge(at - 1)) && (end == prefer.size() || is_edge(end));
+  if (!is_asked && !request.header(kWebhook).empty())
+    fail(ErrorCode::kInvalidRequest,
+         fmt::format("{} tells of a job's end: it goes with Prefer: respond-async.", kWebhook));
+  return is_asked;
 }
 
 Reply JobDoors::accept(const Request& request) {
@@ -132,7 +143,8 @@ Reply JobDoors::accept(const Request& request) {
                           std::string(request.header("Accept")),
                           request.body,
                           priority_of(request),
-                          idempotency_key(request)};
+                          idempotency_key(request),
+                          webhook_of(request, webhooks_)};
   const JobStore::Created created = store_.create(wanted, unix_time_ms());
   if (created.is_new) runner_.wake();
   return reply_of(202, created.job).with("Preference-Applied", "respond-async");
@@ -140,7 +152,7 @@ Reply JobDoors::accept(const Request& request) {
 
 Reply JobDoors::get(const Request& request) {
   const Place place = place_of(request);
-  if (place.what == kResult) return get_result(request, place.id);
+  if (place.what == kJobResult) return get_result(request, place.id);
   if (place.what == kEvents) return get_events(request, place.id);
   const std::optional<Job> job = place.what.empty() ? store_.find(place.id) : std::nullopt;
   if (!job) fail_unknown();

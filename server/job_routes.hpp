@@ -3,27 +3,32 @@
 
 #include <atomic>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "server/dispatcher.hpp"
 #include "server/job_runner.hpp"
+#include "server/outbound_url.hpp"
 
 namespace furnace {
 
 // Threads: any. Owns: nothing; store and runner outlive it.
 class JobDoors {
  public:
-  JobDoors(JobStore& store, JobRunner& runner, int max_streams)
-      : store_(store), runner_(runner), max_streams_(max_streams) {}
+  // `webhooks`: where the end of a job may be told.
+  JobDoors(JobStore& store, JobRunner& runner, int max_streams, AllowList webhooks = {})
+      : store_(store), runner_(runner), max_streams_(max_streams), webhooks_(std::move(webhooks)) {}
 
-  // Whether the client would rather not wait (RFC 7240).
+  // Whether the client would rather not wait (RFC 7240). Errors: kInvalidRequest for a webhook without a job.
   static bool is_asked_for(const Request& request);
   // 202, or what is known of the job that came with the same Idempotency-Key. The request must have been understood already.
-  // Errors: those of JobStore::create; kInvalidRequest for a Priority or an Idempotency-Key that cannot be.
+  // Errors: those of JobStore::create; kInvalidRequest for a Priority or an Idempotency-Key that cannot be; kUnprocessable for
+  // a webhook that is not allowed.
   Reply accept(const Request& request);
 
   std::vector<Route> routes();
   int waiting() { return store_.waiting(); }
+  std::int64_t unfinished_webhooks() { return store_.unfinished_deliveries(); }
 
  private:
   Reply get(const Request& request);
@@ -34,6 +39,7 @@ class JobDoors {
   JobStore& store_;
   JobRunner& runner_;
   const int max_streams_;
+  const AllowList webhooks_;
   std::atomic<int> streams_ = 0;
 };
 

@@ -20,8 +20,8 @@ std::int64_t unix_time_ms() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
 }
 
-JobRunner::JobRunner(JobStore& store, Work work, const JobRunnerConfig& config)
-    : store_(store), work_(std::move(work)), config_(config) {
+JobRunner::JobRunner(JobStore& store, Work work, const JobRunnerConfig& config, std::function<void()> ended)
+    : store_(store), work_(std::move(work)), config_(config), ended_(ended ? std::move(ended) : [] {}) {
   for (int i = 0; i < config.threads; ++i) threads_.emplace_back([this] { run_thread(); });
 }
 
@@ -45,6 +45,7 @@ void JobRunner::wake() {
 
 bool JobRunner::remove(const std::string& id) {
   const bool known = store_.remove(id, unix_time_ms());
+  ended_();
   const std::lock_guard lock(mutex_);
   if (const auto found = running_.find(id); found != running_.end()) found->second.request_stop();
   return known;
@@ -94,6 +95,7 @@ bool JobRunner::run_next() {
       store_.fail(work->id, api::problem_json(error, work->id), unix_time_ms());
     }
   }
+  ended_();
   const std::lock_guard lock(mutex_);
   running_.erase(work->id);
   return worked;

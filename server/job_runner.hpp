@@ -30,7 +30,8 @@ class JobRunner {
   using Work = std::function<std::string(const JobRequest& request, const Deadline& deadline,
                                          const std::function<void(int done, int of)>& progress)>;
 
-  JobRunner(JobStore& store, Work work, const JobRunnerConfig& config);
+  // `ended` is called after a job has ended, on the thread that ended it.
+  JobRunner(JobStore& store, Work work, const JobRunnerConfig& config, std::function<void()> ended = {});
   ~JobRunner();
 
   // There may be something to do.
@@ -46,6 +47,7 @@ class JobRunner {
   JobStore& store_;
   const Work work_;
   const JobRunnerConfig config_;
+  const std::function<void()> ended_;
   std::mutex mutex_;  // of the members below
   std::condition_variable changed_;
   bool stopping_ = false;

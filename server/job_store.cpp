@@ -6,21 +6,22 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <sqlite3.h>
 #include <unistd.h>
 
 #include "renderer/base/content_hash.hpp"
 #include "renderer/base/error.hpp"
 #include "renderer/base/log.hpp"
+#include "server/job_document.hpp"
+#include "server/sqlite.hpp"
 
 namespace furnace {
 
 namespace {
 
-constexpr int kSchemaVersion = 1;
+constexpr int kSchemaVersion = 2;  // 2 knows deliveries, and makes of 1 its own
 constexpr std::array kStatusNames = {"queued", "running", "succeeded", "failed", "cancelled"};
 
-// A file of another version is not touched: an older program may still need it.
+// A file of a later version is not touched.
 constexpr const char* kSchema = R"(
   CREATE TABLE IF NOT EXISTS jobs(
     number INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT UNIQUE NOT NULL, status INTEGER NOT NULL,
@@ -46,6 +47,7 @@ std::string hash_of(const JobRequest& request) {
       .add(request.content_type)
       .add(request.accept)
       .add(request.body)
+      .add(request.webhook ? request.webhook->url : "")
       .finish()
       .hex();
 }
@@ -57,106 +59,14 @@ std::string_view name_of(JobStatus status) {
 }
 
 // Threads: one at a time. Owns: the connection.
-struct JobStore::Database {
-  explicit Database(const std::string& name) {
-    const int outcome = sqlite3_open(name.c_str(), &handle);
-    owner.reset(handle);  // which is there after a failure, too
-    if (outcome != SQLITE_OK) refuse("open");
-    sqlite3_extended_result_codes(handle, 1);
-    constexpr int kBusyMs = 5000;
-    sqlite3_busy_timeout(handle, kBusyMs);
-    run("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA foreign_keys=ON;");
-    Statement version(*this, "PRAGMA user_version");
-    const std::int64_t found = version.step() ? version.number(0) : 0;
-    version.reset();
-    if (found != 0 && found != kSchemaVersion)
+struct JobStore::Database : Sqlite {
+  explicit Database(const std::string& name) : Sqlite(name) {
+    if (const std::int64_t found = number_of("PRAGMA user_version"); found > kSchemaVersion)
       furnace::fail(ErrorCode::kStorage,
-                    fmt::format("{} was written by another version of this program", name));
+                    fmt::format("{} was written by a newer version of this program", name));
     run(kSchema);
+    deliveries.emplace(*this);
     run(fmt::format("PRAGMA user_version={}", kSchemaVersion).c_str());
-  }
-  Database(const Database&) = delete;
-  Database& operator=(const Database&) = delete;
-
-  [[noreturn]] void refuse(std::string_view doing) const {
-    furnace::fail(ErrorCode::kStorage, "The list of jobs could not be read or written.", {},
-                  fmt::format("{}: {}", doing, handle ? sqlite3_errmsg(handle) : "out of memory"));
-  }
-
-  void run(const char* sql) {
-    if (sqlite3_exec(handle, sql, nullptr, nullptr, nullptr) != SQLITE_OK) refuse(sql);
-  }
-
-  // Threads: one. Owns: the prepared statement. Values are bound in order.
-  class Statement {
-   public:
-    Statement(Database& database, const char* sql) : database_(database), sql_(sql) {
-      if (sqlite3_prepare_v2(database.handle, sql, -1, &statement_, nullptr) != SQLITE_OK)
-        database.refuse(sql);
-    }
-    ~Statement() { sqlite3_finalize(statement_); }
-    Statement(const Statement&) = delete;
-    Statement& operator=(const Statement&) = delete;
-
-    Statement& bind(std::int64_t value) {
-      sqlite3_bind_int64(statement_, ++bound_, value);
-      return *this;
-    }
-    Statement& bind(std::string_view text) {
-      sqlite3_bind_text64(statement_, ++bound_, text.data() ? text.data() : "", text.size(), SQLITE_TRANSIENT,
-                          SQLITE_UTF8);
-      return *this;
-    }
-    Statement& bind(const std::optional<std::string>& text) {
-      if (text) return bind(std::string_view(*text));
-      sqlite3_bind_null(statement_, ++bound_);
-      return *this;
-    }
-    // The bytes must live until the statement has run.
-    Statement& bind_blob(std::string_view bytes) {
-      sqlite3_bind_blob64(statement_, ++bound_, bytes.data() ? bytes.data() : "", bytes.size(),
-                          SQLITE_STATIC);
-      return *this;
-    }
-    bool step() {
-      const int outcome = sqlite3_step(statement_);
-      if (outcome != SQLITE_ROW && outcome != SQLITE_DONE) database_.refuse(sql_);
-      return outcome == SQLITE_ROW;
-    }
-    void reset() { sqlite3_reset(statement_); }
-    std::int64_t number(int column) { return sqlite3_column_int64(statement_, column); }
-    std::string text(int column) {
-      const auto* bytes = static_cast<const char*>(sqlite3_column_blob(statement_, column));
-      return {bytes ? bytes : "", std::size_t(sqlite3_column_bytes(statement_, column))};
-    }
-
-   private:
-    Database& database_;
-    const char* sql_;
-    sqlite3_stmt* statement_ = nullptr;
-    int bound_ = 0;
-  };
-
-  // All or nothing: rolled back unless it was committed.
-  class Transaction {
-   public:
-    explicit Transaction(Database& database) : database_(database) { database_.run("BEGIN IMMEDIATE"); }
-    ~Transaction() {
-      if (!committed_) sqlite3_exec(database_.handle, "ROLLBACK", nullptr, nullptr, nullptr);
-    }
-    void commit() {
-      database_.run("COMMIT");
-      committed_ = true;
-    }
-
-   private:
-    Database& database_;
-    bool committed_ = false;
-  };
-
-  std::int64_t number_of(const char* sql) {
-    Statement statement(*this, sql);
-    return statement.step() ? statement.number(0) : 0;
   }
 
   std::optional<Job> find(const char* column_is, std::string_view value) {
@@ -175,26 +85,45 @@ struct JobStore::Database {
     job.finished_ms = statement.number(5);
     job.attempts = int(statement.number(6));
     job.problem = statement.text(7);
+    job.delivery = deliveries->find(job.id);
     return job;
   }
 
-  void erase(std::string_view id) {
+  // What is told of it is not forgotten with it, unless nobody shall hear of it any more.
+  void erase(const std::string& id, bool with_delivery) {
+    deliveries->forget(id, with_delivery);
     for (const char* sql :
          {"DELETE FROM requests WHERE id=?", "DELETE FROM results WHERE id=?", "DELETE FROM jobs WHERE id=?"})
-      Statement(*this, sql).bind(id).step();
+      Statement(*this, sql).bind(std::string_view(id)).step();
   }
 
-  // True when it was running.
-  bool finish(std::string_view id, JobStatus status, std::string_view problem, std::int64_t now_ms) {
-    Statement(*this, "UPDATE jobs SET status=?, problem=?, finished_ms=?, bytes=0 WHERE id=? AND status=1")
+  // True when it was waiting or running. Who wants to hear of it will.
+  bool finish(const std::string& id, JobStatus status, std::string_view problem, std::int64_t now_ms) {
+    Statement(*this, "UPDATE jobs SET status=?, problem=?, finished_ms=?, bytes=0 WHERE id=? AND status<2")
         .bind(std::int64_t(status))
         .bind(problem)
         .bind(now_ms)
-        .bind(id)
+        .bind(std::string_view(id))
         .step();
-    if (sqlite3_changes(handle) == 0) return false;
-    Statement(*this, "DELETE FROM requests WHERE id=?").bind(id).step();  // nobody needs it any more
+    if (changes() == 0) return false;
+    Statement(*this, "DELETE FROM requests WHERE id=?")
+        .bind(std::string_view(id))
+        .step();  // not needed any more
+    if (deliveries->find(id)) deliveries->make_due(id, webhook_body(*find("id", id)), now_ms);
     return true;
+  }
+
+  bool is_running(const std::string& id) {
+    const std::optional<Job> job = find("id", id);
+    return job && job->status == JobStatus::kRunning;
+  }
+
+  std::vector<std::string> ids_of(const char* sql, std::int64_t bound) {
+    std::vector<std::string> ids;
+    Statement rows(*this, sql);
+    rows.bind(bound);
+    while (rows.step()) ids.push_back(rows.text(0));
+    return ids;
   }
 
   struct Progress {
@@ -202,11 +131,7 @@ struct JobStore::Database {
     int done = 0, of = 0;
   };
 
-  struct Close {
-    void operator()(sqlite3* connection) const { sqlite3_close(connection); }
-  };
-  std::unique_ptr<sqlite3, Close> owner;
-  sqlite3* handle = nullptr;
+  std::optional<DeliveryTable> deliveries;
   std::vector<Progress> progress;  // of what runs; not worth a write
 };
 
@@ -224,14 +149,13 @@ JobStore::JobStore(const std::filesystem::path& folder, const JobLimits& limits)
     return;
   }
   database_ = std::make_unique<Database>((folder / "jobs.sqlite").string());
-  Database::Transaction whole(*database_);
-  Database::Statement(
-      *database_,
-      "UPDATE jobs SET status=3, finished_ms=created_ms, problem=? WHERE status=1 AND attempts>=?")
-      .bind(std::string_view(R"({"type":"about:blank","title":"Internal Server Error","status":500,)"
-                             R"("detail":"The server ended several times while it drew this."})"))
-      .bind(std::int64_t(limits.max_attempts))
-      .step();
+  Sqlite::Transaction whole(*database_);
+  for (const std::string& id :
+       database_->ids_of("SELECT id FROM jobs WHERE status=1 AND attempts>=?", limits.max_attempts))
+    database_->finish(id, JobStatus::kFailed,
+                      R"({"type":"about:blank","title":"Internal Server Error","status":500,)"
+                      R"("detail":"The server ended several times while it drew this."})",
+                      database_->find("id", id)->created_ms);
   database_->run("UPDATE jobs SET status=0, started_ms=0 WHERE status=1");
   whole.commit();
 }
@@ -242,11 +166,11 @@ JobStore::Created JobStore::create(const JobRequest& request, std::int64_t now_m
   trim(now_ms);
   const std::lock_guard lock(mutex_);
   Database& db = *database_;
-  Database::Transaction whole(db);
+  Sqlite::Transaction whole(db);
   const std::string hash = hash_of(request);
   if (request.idempotency_key) {
     if (const auto known = db.find("idempotency_key", *request.idempotency_key)) {
-      Database::Statement same(db, "SELECT 1 FROM jobs WHERE id=? AND request_hash=?");
+      Sqlite::Statement same(db, "SELECT 1 FROM jobs WHERE id=? AND request_hash=?");
       if (!same.bind(std::string_view(known->id)).bind(std::string_view(hash)).step())
         furnace::fail(ErrorCode::kUnprocessable, "This Idempotency-Key came with another request before.");
       return {*known, false};
@@ -254,13 +178,15 @@ JobStore::Created JobStore::create(const JobRequest& request, std::int64_t now_m
   }
   if (db.number_of("SELECT COUNT(*) FROM jobs WHERE status=0") >= limits_.max_waiting)
     furnace::fail(ErrorCode::kOverloaded, "Too many jobs wait; try again later.");
+  if (request.webhook && db.deliveries->unfinished() >= limits_.max_deliveries)
+    furnace::fail(ErrorCode::kOverloaded, "Too many webhooks wait; try again later.");
   const auto bytes = std::int64_t(request.body.size());
   if (db.number_of("SELECT COALESCE(SUM(bytes), 0) FROM jobs") + bytes > limits_.max_bytes)
     furnace::fail(ErrorCode::kOverloaded,
                   "The jobs that are kept leave no room for this one; try again later.");
 
   const std::string id = new_id();
-  Database::Statement(
+  Sqlite::Statement(
       db,
       "INSERT INTO jobs(id, status, priority, created_ms, idempotency_key, request_hash, bytes) "
       "VALUES(?,0,?,?,?,?,?)")
@@ -271,13 +197,14 @@ JobStore::Created JobStore::create(const JobRequest& request, std::int64_t now_m
       .bind(std::string_view(hash))
       .bind(bytes)
       .step();
-  Database::Statement(db, "INSERT INTO requests VALUES(?,?,?,?,?)")
+  Sqlite::Statement(db, "INSERT INTO requests VALUES(?,?,?,?,?)")
       .bind(std::string_view(id))
       .bind(std::string_view(request.target))
       .bind(std::string_view(request.content_type))
       .bind(std::string_view(request.accept))
       .bind_blob(request.body)
       .step();
+  if (request.webhook) db.deliveries->add(id, *request.webhook);
   Job job = *db.find("id", id);
   whole.commit();
   return {std::move(job), true};
@@ -286,17 +213,18 @@ JobStore::Created JobStore::create(const JobRequest& request, std::int64_t now_m
 std::optional<JobWork> JobStore::begin(std::int64_t now_ms) {
   const std::lock_guard lock(mutex_);
   Database& db = *database_;
-  Database::Transaction whole(db);
+  Sqlite::Transaction whole(db);
   JobWork work;
   {
-    Database::Statement next(
+    Sqlite::Statement next(
         db,
         "SELECT jobs.id, target, content_type, accept, body, priority FROM jobs JOIN requests USING(id) "
         "WHERE status=0 ORDER BY priority DESC, number LIMIT 1");
     if (!next.step()) return std::nullopt;
-    work = {next.text(0), {next.text(1), next.text(2), next.text(3), next.text(4), int(next.number(5)), {}}};
+    work = {next.text(0),
+            {next.text(1), next.text(2), next.text(3), next.text(4), int(next.number(5)), {}, {}}};
   }
-  Database::Statement(db, "UPDATE jobs SET status=1, started_ms=?, attempts=attempts+1 WHERE id=?")
+  Sqlite::Statement(db, "UPDATE jobs SET status=1, started_ms=?, attempts=attempts+1 WHERE id=?")
       .bind(now_ms)
       .bind(std::string_view(work.id))
       .step();
@@ -307,8 +235,8 @@ std::optional<JobWork> JobStore::begin(std::int64_t now_ms) {
 
 void JobStore::put_back(const std::string& id) {
   const std::lock_guard lock(mutex_);
-  Database::Statement(*database_,
-                      "UPDATE jobs SET status=0, started_ms=0, attempts=attempts-1 WHERE id=? AND status=1")
+  Sqlite::Statement(*database_,
+                    "UPDATE jobs SET status=0, started_ms=0, attempts=attempts-1 WHERE id=? AND status=1")
       .bind(std::string_view(id))
       .step();
   std::erase_if(database_->progress, [&](const auto& p) { return p.id == id; });
@@ -325,13 +253,13 @@ void JobStore::succeed(const std::string& id, std::string_view result, std::int6
     const std::lock_guard lock(mutex_);
     Database& db = *database_;
     std::erase_if(db.progress, [&](const auto& p) { return p.id == id; });
-    Database::Transaction whole(db);
-    if (!db.finish(id, JobStatus::kSucceeded, {}, now_ms)) return;
-    Database::Statement(db, "INSERT INTO results VALUES(?,?)")
+    Sqlite::Transaction whole(db);
+    if (!db.is_running(id) || !db.finish(id, JobStatus::kSucceeded, {}, now_ms)) return;
+    Sqlite::Statement(db, "INSERT INTO results VALUES(?,?)")
         .bind(std::string_view(id))
         .bind_blob(result)
         .step();
-    Database::Statement(db, "UPDATE jobs SET bytes=? WHERE id=?")
+    Sqlite::Statement(db, "UPDATE jobs SET bytes=? WHERE id=?")
         .bind(std::int64_t(result.size()))
         .bind(std::string_view(id))
         .step();
@@ -343,8 +271,8 @@ void JobStore::succeed(const std::string& id, std::string_view result, std::int6
 void JobStore::fail(const std::string& id, std::string_view problem, std::int64_t now_ms) {
   const std::lock_guard lock(mutex_);
   std::erase_if(database_->progress, [&](const auto& p) { return p.id == id; });
-  Database::Transaction whole(*database_);
-  database_->finish(id, JobStatus::kFailed, problem, now_ms);
+  Sqlite::Transaction whole(*database_);
+  if (database_->is_running(id)) database_->finish(id, JobStatus::kFailed, problem, now_ms);
   whole.commit();
 }
 
@@ -358,7 +286,7 @@ std::optional<Job> JobStore::find(const std::string& id) {
 
 std::optional<std::string> JobStore::result(const std::string& id) {
   const std::lock_guard lock(mutex_);
-  Database::Statement statement(*database_, "SELECT file FROM results WHERE id=?");
+  Sqlite::Statement statement(*database_, "SELECT file FROM results WHERE id=?");
   if (!statement.bind(std::string_view(id)).step()) return std::nullopt;
   return statement.text(0);
 }
@@ -366,20 +294,46 @@ std::optional<std::string> JobStore::result(const std::string& id) {
 bool JobStore::remove(const std::string& id, std::int64_t now_ms) {
   const std::lock_guard lock(mutex_);
   Database& db = *database_;
-  Database::Transaction whole(db);
+  Sqlite::Transaction whole(db);
   const std::optional<Job> job = db.find("id", id);
   if (!job) return false;
   if (is_finished(job->status)) {
-    db.erase(id);
+    db.erase(id, true);
   } else {
-    Database::Statement(db, "UPDATE jobs SET status=4, finished_ms=?, bytes=0 WHERE id=?")
-        .bind(now_ms)
-        .bind(std::string_view(id))
-        .step();
-    Database::Statement(db, "DELETE FROM requests WHERE id=?").bind(std::string_view(id)).step();
+    db.finish(id, JobStatus::kCancelled, {}, now_ms);
   }
   whole.commit();
   return true;
+}
+
+std::optional<DeliveryWork> JobStore::begin_delivery(std::int64_t now_ms) {
+  const std::lock_guard lock(mutex_);
+  return database_->deliveries->begin(now_ms);
+}
+
+std::optional<std::int64_t> JobStore::next_delivery_ms() {
+  const std::lock_guard lock(mutex_);
+  return database_->deliveries->next_ms();
+}
+
+void JobStore::put_back_delivery(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  database_->deliveries->put_back(id);
+}
+
+void JobStore::try_delivery_again(const std::string& id, std::int64_t next_ms, std::string_view outcome) {
+  const std::lock_guard lock(mutex_);
+  database_->deliveries->try_again(id, next_ms, outcome);
+}
+
+void JobStore::finish_delivery(const std::string& id, DeliveryStatus status, std::string_view outcome) {
+  const std::lock_guard lock(mutex_);
+  database_->deliveries->finish(id, status, outcome);
+}
+
+std::int64_t JobStore::unfinished_deliveries() {
+  const std::lock_guard lock(mutex_);
+  return database_->deliveries->unfinished();
 }
 
 int JobStore::waiting() {
@@ -390,15 +344,10 @@ int JobStore::waiting() {
 void JobStore::trim(std::int64_t now_ms) {
   const std::lock_guard lock(mutex_);
   Database& db = *database_;
-  Database::Transaction whole(db);
+  Sqlite::Transaction whole(db);
   const auto erase_each = [&](const char* sql, std::int64_t bound) {
-    std::vector<std::string> ids;
-    {
-      Database::Statement old(db, sql);
-      old.bind(bound);
-      while (old.step()) ids.push_back(old.text(0));
-    }
-    for (const std::string& id : ids) db.erase(id);
+    const std::vector<std::string> ids = db.ids_of(sql, bound);
+    for (const std::string& id : ids) db.erase(id, false);
     return ids.size();
   };
   erase_each("SELECT id FROM jobs WHERE status>1 AND finished_ms<?", now_ms - limits_.keep_ms);

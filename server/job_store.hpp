@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "server/delivery_table.hpp"
+
 namespace furnace {
 
 enum class JobStatus { kQueued, kRunning, kSucceeded, kFailed, kCancelled };
@@ -25,6 +27,7 @@ struct JobRequest {
   std::string content_type, accept, body;
   int priority = 0;                            // larger first; equals in their order
   std::optional<std::string> idempotency_key;  // of one client's choosing: the same key is the same job
+  std::optional<Webhook> webhook = {};         // not of the requests that are read back
 };
 
 struct Job {
@@ -35,6 +38,7 @@ struct Job {
   int frames_done = 0, frames = 0;                               // frames 0: not known
   int attempts = 0;                                              // begun, this one included
   std::string problem;                                           // problem document, of one that failed
+  std::optional<DeliveryState> delivery = {};                    // of its webhook
 };
 
 // What a worker takes.
@@ -48,6 +52,7 @@ struct JobLimits {
   std::int64_t max_bytes = 4096ll << 20;      // requests and results together
   std::int64_t keep_ms = 24ll * 3600 * 1000;  // finished ones
   int max_attempts = 3;                       // that ended with the process
+  std::int64_t max_deliveries = 10'000;       // webhooks not yet delivered, those of waiting jobs too
 };
 
 // One SQLite database, FOLDER/jobs.sqlite, or in memory without a folder, or with one that cannot be written to: then the log
@@ -80,10 +85,20 @@ class JobStore {
   std::optional<Job> find(const std::string& id);
   // As it was given to succeed.
   std::optional<std::string> result(const std::string& id);
-  // What waits or runs becomes cancelled, what is finished goes. False: there is no such job.
+  // What waits or runs becomes cancelled; what is finished goes, with a webhook that was not yet delivered. False: there is no
+  // such job.
   bool remove(const std::string& id, std::int64_t now_ms);
 
   int waiting();
+
+  // Webhooks: a job's end makes its delivery due, in one change with it. What begin_delivery gives must be ended by one of the
+  // three that follow; when the process ends before, it is tried again.
+  std::optional<DeliveryWork> begin_delivery(std::int64_t now_ms);
+  void put_back_delivery(const std::string& id);  // as if it had not been tried
+  void try_delivery_again(const std::string& id, std::int64_t next_ms, std::string_view outcome);
+  void finish_delivery(const std::string& id, DeliveryStatus status, std::string_view outcome);
+  std::optional<std::int64_t> next_delivery_ms();  // since the epoch; when there may be one to begin
+  std::int64_t unfinished_deliveries();
   // Forgets what has been finished for long, and the oldest finished ones beyond the bytes that may be kept.
   void trim(std::int64_t now_ms);
 

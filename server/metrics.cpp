@@ -52,6 +52,24 @@ Metrics::Metrics(std::string_view build)
           BuildGauge().Name("furnace_queue_length").Help("Renders waiting").Register(registry_).Add({})),
       jobs_waiting(
           BuildGauge().Name("furnace_jobs_waiting").Help("Jobs not yet begun").Register(registry_).Add({})),
+      webhooks_unfinished(BuildGauge()
+                              .Name("furnace_webhooks_unfinished")
+                              .Help("Webhooks not yet delivered, those of unfinished jobs too")
+                              .Register(registry_)
+                              .Add({})),
+      webhook_attempts(BuildCounter()
+                           .Name("furnace_webhook_attempts_total")
+                           .Help("Attempts to deliver a webhook: delivered, again, failed")
+                           .Register(registry_)),
+      remote_fetches(BuildCounter()
+                         .Name("furnace_remote_fetches_total")
+                         .Help("Files asked for at other servers, by what came of it")
+                         .Register(registry_)),
+      remote_bytes(BuildCounter()
+                       .Name("furnace_remote_bytes_total")
+                       .Help("Bytes of the files that other servers gave")
+                       .Register(registry_)
+                       .Add({})),
       renders(
           BuildCounter().Name("furnace_renders_total").Help("Pictures drawn").Register(registry_).Add({})),
       not_modified(BuildCounter()

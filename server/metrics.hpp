@@ -35,6 +35,10 @@ class Metrics {
   prometheus::Gauge& seats_in_use;
   prometheus::Gauge& queue_length;
   prometheus::Gauge& jobs_waiting;
+  prometheus::Gauge& webhooks_unfinished;
+  prometheus::Family<prometheus::Counter>& webhook_attempts;  // result
+  prometheus::Family<prometheus::Counter>& remote_fetches;    // result
+  prometheus::Counter& remote_bytes;
 
   prometheus::Counter& renders;
   prometheus::Counter& not_modified;

@@ -129,7 +129,7 @@ void count_render(Metrics& metrics, const RenderSpec& spec, const Rendered& rend
 Reply post_render(const Doors& doors, const Request& request) {
   const RequestBody body = read_body(request, doors.max_parts);
   if (doors.jobs == nullptr || !JobDoors::is_asked_for(request)) return answer_document(doors, request, body);
-  parse_spec(body, request.header("Accept"), doors);  // what is wrong is told at once
+  parse_spec(body, request.header("Accept"), doors, request.deadline);  // what is wrong is told at once
   return doors.jobs->accept(request);
 }
 
@@ -197,7 +197,10 @@ Reply plain(std::string text) {
 Reply get_metrics(const Doors& doors) {
   doors.metrics.seats_in_use.Set(doors.admission.seats_in_use());
   doors.metrics.queue_length.Set(doors.admission.waiting());
-  if (doors.jobs != nullptr) doors.metrics.jobs_waiting.Set(doors.jobs->waiting());
+  if (doors.jobs != nullptr) {
+    doors.metrics.jobs_waiting.Set(doors.jobs->waiting());
+    doors.metrics.webhooks_unfinished.Set(double(doors.jobs->unfinished_webhooks()));
+  }
   if (doors.assets != nullptr) doors.metrics.observe_assets(doors.assets->stats());
   if (doors.decoders != nullptr) doors.metrics.observe_decoders(doors.decoders->stats());
   if (doors.contexts) doors.metrics.observe_contexts(doors.contexts());
@@ -215,7 +218,7 @@ Reply get_ready(const Doors& doors) {
 }  // namespace
 
 Reply answer_document(const Doors& doors, const Request& request, const RequestBody& body) {
-  const RenderSpec spec = parse_spec(body, request.header("Accept"), doors);
+  const RenderSpec spec = parse_spec(body, request.header("Accept"), doors, request.deadline);
   const ContentHash tag = doors.service.etag(spec);
   const std::string etag = tag.hex();
   if (etag_matches(request.header("If-None-Match"), etag)) {
@@ -261,10 +264,10 @@ void Readiness::check(std::chrono::milliseconds timeout) {
 
 // A format in the document wins, unless Accept excludes it; without one Accept chooses.
 RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Doors& doors,
-                      std::vector<ReadReference>* reads) {
+                      const Deadline& deadline, std::vector<ReadReference>* reads) {
   const OutputFormat preferred = preferred_format(accept);
   const api::Capabilities& can = doors.capabilities;
-  AssetResolver assets = references(doors, body.parts);
+  AssetResolver assets = references(doors, body.parts, deadline);
   if (reads != nullptr) assets.record(*reads);
   const RenderSpec spec = api::parse_render_request(body.document, assets, can.request, preferred);
   const std::string_view media_type = api::media_type_of(spec.output);
@@ -286,7 +289,7 @@ std::string draw_job(const Doors& doors, const JobRequest& job, const Deadline& 
   request.body = job.body;
   const RequestBody body = read_body(request, doors.max_parts);
   if (job.target == kBatches) return api::encode_stored_render(draw_batch(doors, body, deadline, progress));
-  const RenderSpec spec = parse_spec(body, job.accept, doors);
+  const RenderSpec spec = parse_spec(body, job.accept, doors, deadline);
   const Rendered rendered = doors.service.render(spec, deadline, progress);
   count_render(doors.metrics, spec, rendered);
   return api::encode_stored_render(*rendered.image);

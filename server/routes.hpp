@@ -16,6 +16,7 @@
 #include "server/image_url.hpp"
 #include "server/job_routes.hpp"
 #include "server/metrics.hpp"
+#include "server/remote_files.hpp"
 #include "server/render_service.hpp"
 #include "server/request_body.hpp"
 
@@ -61,7 +62,8 @@ struct Doors {
   JobDoors* jobs = nullptr;                          // null: every render is waited for
   std::shared_ptr<const Presets> presets = std::make_shared<const Presets>();
   ImageUrlConfig image_urls = {};
-  AssetStore* assets = nullptr;  // null: nothing can be uploaded, nor referred to
+  AssetStore* assets = nullptr;   // null: nothing can be uploaded, nor referred to
+  RemoteFiles* remote = nullptr;  // null: nothing is fetched from elsewhere
   std::function<ContextPoolStats()> contexts = {};
   bool is_exact = false;  // gl::Determinism::kExact
   std::int64_t max_bundle_bytes = 512ll << 20;
@@ -69,7 +71,7 @@ struct Doors {
 
 // `reads`, if any, hears what the references are. Errors: those of parse_render_request; kNotAcceptable.
 RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Doors& doors,
-                      std::vector<ReadReference>* reads = nullptr);
+                      const Deadline& deadline, std::vector<ReadReference>* reads = nullptr);
 
 // A job's work: the request is understood and drawn as POST /v1/renders would. The result is as encode_stored_render writes it.
 // Errors: those of that door.

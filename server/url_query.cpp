@@ -31,7 +31,10 @@ bool is_unreserved(char c) {
          std::string_view("-._~").find(c) != std::string_view::npos;
 }
 
-void encode(std::string_view text, std::string& out) {
+}  // namespace
+
+std::string percent_encoded(std::string_view text) {
+  std::string out;
   for (const char c : text) {
     if (is_unreserved(c)) {
       out += c;
@@ -40,9 +43,8 @@ void encode(std::string_view text, std::string& out) {
       out.append({'%', kHexDigits[byte >> 4], kHexDigits[byte & 15]});
     }
   }
+  return out;
 }
-
-}  // namespace
 
 std::optional<std::vector<api::QueryPair>> parse_query(std::string_view query) {
   std::vector<api::QueryPair> pairs;
@@ -64,9 +66,7 @@ std::string canonical_query(std::span<const api::QueryPair> pairs) {
   std::string out;
   for (const api::QueryPair& pair : pairs) {
     if (!out.empty()) out += '&';
-    encode(pair.name, out);
-    out += '=';
-    encode(pair.value, out);
+    out += percent_encoded(pair.name) + '=' + percent_encoded(pair.value);
   }
   return out;
 }

@@ -15,8 +15,11 @@ namespace furnace {
 // empty value, empty pairs are passed over. None when a "%" is not followed by two hexadecimal digits.
 std::optional<std::vector<api::QueryPair>> parse_query(std::string_view query);
 
-// The one text of these pairs: letters, digits, "-", ".", "_" and "~" stay as they are (RFC 3986 section 2.3), each other byte
-// is "%" and two upper-case hexadecimal digits.
+// Letters, digits, "-", ".", "_" and "~" stay as they are (RFC 3986 section 2.3), each other byte is "%" and two upper-case
+// hexadecimal digits.
+std::string percent_encoded(std::string_view text);
+
+// The one text of these pairs: names and values percent_encoded.
 std::string canonical_query(std::span<const api::QueryPair> pairs);
 
 // RFC 4648 section 5. Without padding when written; read with or without.

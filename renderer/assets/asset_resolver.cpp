@@ -7,6 +7,7 @@
 #include "renderer/base/file.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <functional>
 #include <optional>
 #include <string_view>
@@ -219,8 +220,21 @@ constexpr std::string_view kEnvironmentScheme = "environment:";
 constexpr std::string_view kAssetScheme = "asset:";
 
 [[noreturn]] void fail_unknown_scheme(const std::string& pointer) {
-  fail(ErrorCode::kUnprocessable, "a reference begins with \"part:\", \"file:\", \"asset:\" or \"data:\"",
-       pointer);
+  fail(ErrorCode::kUnprocessable,
+       "a reference begins with \"part:\", \"file:\", \"asset:\", \"data:\" or \"https:\"", pointer);
+}
+
+// Schemes of URLs compare without case (RFC 3986 section 3.1).
+bool is_remote(std::string_view reference) {
+  const std::size_t colon = std::min(reference.find(':'), std::size_t(8));
+  std::string scheme(reference.substr(0, colon));
+  std::ranges::transform(scheme, scheme.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return scheme == "https" || scheme == "http";
+}
+
+// Its path alone: an ending in the query says nothing of the file.
+std::string without_query(const std::string& url) {
+  return url.substr(0, url.find_first_of("?#"));
 }
 
 struct AssetName {
@@ -253,17 +267,25 @@ std::optional<Blob> find_sibling(const std::map<std::string, Blob>& parts, const
 }  // namespace
 
 AssetResolver::AssetResolver(FileAssets& files, std::map<std::string, Blob> parts, ImportLimits limits,
-                             NamedEnvironments environments, UploadedAssets uploads)
+                             NamedEnvironments environments, UploadedAssets uploads, RemoteFiles remote)
     : files_(&files),
       parts_(std::move(parts)),
       limits_(limits),
       environments_(std::move(environments)),
-      uploads_(std::move(uploads)) {}
+      uploads_(std::move(uploads)),
+      remote_(std::move(remote)) {}
 
 Blob AssetResolver::uploaded(const std::string& id) const {
   std::optional<Blob> file = uploads_ ? uploads_(id) : std::nullopt;
   if (!file) fail(ErrorCode::kNotFound, "there is no asset \"" + readable_text(id) + "\"; upload it (again)");
   return *std::move(file);
+}
+
+std::optional<Blob> AssetResolver::remote(const std::string& url, const std::string& relative) const {
+  if (remote_) return remote_(url, relative);
+  fail(ErrorCode::kUnprocessable,
+       "files of other servers are not fetched here: the operator names the hosts with remote-allow; upload "
+       "the file instead, or send it as a part");
 }
 
 Blob AssetResolver::read(const std::string& reference, const std::string& pointer) const {
@@ -302,6 +324,7 @@ Blob AssetResolver::look_up(const std::string& reference, const std::string& poi
     });
   }
   if (is_data_uri(reference)) return Blob(decode_data_uri(reference, pointer));
+  if (is_remote(reference)) return at(pointer, [&] { return remote(reference, {}).value(); });
   fail_unknown_scheme(pointer);
 }
 
@@ -311,16 +334,20 @@ std::shared_ptr<const ModelBundle> AssetResolver::find_model(const std::string& 
   if (reference.starts_with(kFileScheme))
     return files_->read_model(reference.substr(kFileScheme.size()), pointer, limits_, named);
   return at(pointer, [&] {
+    const bool is_far = is_remote(reference);
     const auto find = [&](const std::string& uri) {
       std::optional<Blob> file = find_named(named, uri);
-      return file ? file : find_sibling(parts_, uri);
+      if (!file) file = find_sibling(parts_, uri);
+      return file || !is_far ? file : remote(reference, uri);
     };
     const bool is_asset = reference.starts_with(kAssetScheme);
     const AssetName name = is_asset ? asset_name(reference) : AssetName{};
     Blob document = is_asset ? uploaded(name.id) : look_up(reference, pointer);
     if (is_zip(document) || !name.path.empty())
       return read_archive(document, name.path, limits_, named, find);
-    const ModelFormat format = model_format(document, is_data_uri(reference) ? std::string() : reference);
+    const ModelFormat format = model_format(document, is_data_uri(reference) ? std::string()
+                                                      : is_far               ? without_query(reference)
+                                                                             : reference);
     const Uris uris = model_siblings(document, format, limits_);
     return make_bundle(std::move(document), format, uris, find);
   });

@@ -1,4 +1,4 @@
-// References in a request -> bytes. What "part:", "file:" and "asset:" mean is decided here, once, for every door. A model's
+// References in a request -> bytes. What "part:", "file:", "asset:" and "https:" mean is decided here, once, for every door. A model's
 // file may be a ZIP archive of the model and the files it names.
 #pragma once
 
@@ -53,15 +53,19 @@ class AssetResolver {
   // What was uploaded, by what stands between "asset:" and the next slash; none: there is no such asset. Errors: any.
   using UploadedAssets = std::function<std::optional<Blob>(const std::string& id)>;
 
+  // The file at `url`, or the one that the file at `url` names as `relative`; none: it has no such sibling. Errors: any.
+  using RemoteFiles = std::function<std::optional<Blob>(const std::string& url, const std::string& relative)>;
+
   AssetResolver(FileAssets& files, std::map<std::string, Blob> parts, ImportLimits limits,
-                NamedEnvironments environments = {}, UploadedAssets uploads = {});
+                NamedEnvironments environments = {}, UploadedAssets uploads = {}, RemoteFiles remote = {});
 
   // From now on tells of every read in `reads`, which outlives this.
   void record(std::vector<ReadReference>& reads) { reads_ = &reads; }
 
   // `reference` is "part:NAME", "file:RELATIVE", "environment:NAME", "asset:ID", "asset:ID/PATH" (a file in an archive),
-  // "data:..." (base64 or percent-encoded); `pointer` is its place in the request.
-  // Errors: kUnprocessable for an unknown scheme, a broken data: URI or archive, kNotFound for a name that is not there.
+  // "data:..." (base64 or percent-encoded), "https:..." or "http:..."; `pointer` is its place in the request.
+  // Errors: kUnprocessable for an unknown scheme, a broken data: URI or archive, a URL where there are no remote files;
+  // kNotFound for a name that is not there; those of RemoteFiles.
   Blob read(const std::string& reference, const std::string& pointer) const;
   // As read, with the siblings that a .gltf, an OBJ and its MTL files, or a PLY name: other parts of the request by name or file name (also by the last path segment), or files
   // beside the document; first of all those of `named`. What is missing is left out: the importer tells of it.
@@ -73,6 +77,7 @@ class AssetResolver {
   Blob look_up(const std::string& reference, const std::string& pointer) const;
   std::shared_ptr<const ModelBundle> find_model(const std::string& reference, const std::string& pointer,
                                                 const NamedFiles& named) const;
+  std::optional<Blob> remote(const std::string& url, const std::string& relative) const;
 
   FileAssets* files_;
   std::map<std::string, Blob> parts_;
@@ -80,6 +85,7 @@ class AssetResolver {
   NamedEnvironments environments_;
   UploadedAssets uploads_;
   std::vector<ReadReference>* reads_ = nullptr;
+  RemoteFiles remote_;
 };
 
 }  // namespace furnace

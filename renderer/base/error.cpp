@@ -28,6 +28,8 @@ std::string_view error_code_name(ErrorCode code) {
       return "overloaded";
     case ErrorCode::kInternal:
       return "internal";
+    case ErrorCode::kBadGateway:
+      return "bad-gateway";
     case ErrorCode::kGpuUnavailable:
       return "gpu-unavailable";
     case ErrorCode::kDeadlineExceeded:

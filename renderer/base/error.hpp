@@ -18,6 +18,7 @@ enum class ErrorCode {
   kUnprocessable,     // well-formed but wrong: schema violations, broken assets          422
   kOverloaded,        // the queue is full, try again                                     429
   kInternal,          // our mistake                                                      500
+  kBadGateway,        // another server, asked on the client's behalf, failed              502
   kGpuUnavailable,    // no working GL context                                            503
   kDeadlineExceeded,  // the request's time is over                                       504
   kStorage,           // the disk refused                                                 507

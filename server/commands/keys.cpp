@@ -19,6 +19,7 @@
 #include "server/settings.hpp"
 #include "server/url_query.hpp"
 #include "server/url_signature.hpp"
+#include "server/webhook.hpp"
 
 namespace furnace {
 namespace {
@@ -84,7 +85,7 @@ struct KeyOptions {
   std::string name, scopes = "render";
   int rate = 0, renders = 0;
   std::string asset_bytes = "0";
-  bool is_for_urls = false;
+  bool is_for_urls = false, is_for_webhooks = false;
 };
 
 int hash_key(const KeyOptions& options) {
@@ -95,6 +96,10 @@ int hash_key(const KeyOptions& options) {
   const std::string secret = random_bytes(kSecretBytes);
   if (options.is_for_urls) {
     fmt::print("{}:{}\n", options.name, hex_of_bytes(secret));
+    return kDone;
+  }
+  if (options.is_for_webhooks) {
+    fmt::print("{}:{}\n", options.name, webhook_secret_text(secret));
     return kDone;
   }
   const std::string key = "fk_" + base64url(secret);
@@ -143,6 +148,8 @@ Command hash_key_command(CLI::App& root) {
       ->capture_default_str();
   options->add_flag("--url", given->is_for_urls,
                     "a line of url-keys-file instead, which is the secret itself");
+  options->add_flag("--webhook", given->is_for_webhooks,
+                    "a line of webhook-secrets-file instead, which is the secret itself");
   return {options, [given] { return hash_key(*given); }};
 }
 

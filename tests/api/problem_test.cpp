@@ -10,14 +10,15 @@ namespace furnace::api {
 namespace {
 
 constexpr ErrorCode kCodes[] = {
-    ErrorCode::kInvalidRequest, ErrorCode::kNotFound,         ErrorCode::kMethodNotAllowed,
-    ErrorCode::kNotAcceptable,  ErrorCode::kTooLarge,         ErrorCode::kUnsupportedMedia,
-    ErrorCode::kUnprocessable,  ErrorCode::kOverloaded,       ErrorCode::kInternal,
-    ErrorCode::kGpuUnavailable, ErrorCode::kDeadlineExceeded, ErrorCode::kStorage,
+    ErrorCode::kInvalidRequest, ErrorCode::kNotFound,       ErrorCode::kMethodNotAllowed,
+    ErrorCode::kNotAcceptable,  ErrorCode::kTooLarge,       ErrorCode::kUnsupportedMedia,
+    ErrorCode::kUnprocessable,  ErrorCode::kOverloaded,     ErrorCode::kInternal,
+    ErrorCode::kBadGateway,     ErrorCode::kGpuUnavailable, ErrorCode::kDeadlineExceeded,
+    ErrorCode::kStorage,
 };
 
 TEST(Problem, EachCodeHasItsStatus) {
-  const int statuses[] = {400, 404, 405, 406, 413, 415, 422, 429, 500, 503, 504, 507};
+  const int statuses[] = {400, 404, 405, 406, 413, 415, 422, 429, 500, 502, 503, 504, 507};
   for (std::size_t i = 0; i < std::size(kCodes); ++i) EXPECT_EQ(http_status(kCodes[i]), statuses[i]);
 }
 

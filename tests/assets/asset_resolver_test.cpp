@@ -309,6 +309,30 @@ TEST_F(ResolverTest, PartsDoNotReachFiles) {
   EXPECT_TRUE(assets.read_model("part:model", kPlace)->siblings.empty());
 }
 
+TEST_F(ResolverTest, RemoteFilesAreAskedForByTheirUrl) {
+  const Error off = error_of([&] { resolver({}).read("https://example.com/a.png", kPlace); });
+  EXPECT_EQ(off.code, ErrorCode::kUnprocessable);
+  EXPECT_EQ(off.pointer, kPlace);
+  EXPECT_THAT(off.message, HasSubstr("remote-allow"));
+
+  std::vector<std::string> asked;
+  FileAssets files({root_}, kCacheBytes, kMaxFileBytes);
+  const AssetResolver assets(
+      files, {{"b.bin", Blob("part")}}, {}, {}, {}, [&](const std::string& url, const std::string& relative) {
+        asked.push_back(url + " " + relative);
+        if (relative == "missing.bin") return std::optional<Blob>();
+        return std::optional(
+            Blob(relative.empty() ? gltf({"a.bin", "b.bin", "missing.bin"}) : "far " + relative));
+      });
+  const auto model = assets.read_model("HTTPS://example.com/m.gltf?v=1", kPlace);
+  EXPECT_EQ(model->siblings.at("a.bin").text(), "far a.bin");
+  EXPECT_EQ(model->siblings.at("b.bin").text(), "part") << "what the request brings goes first";
+  EXPECT_FALSE(model->siblings.contains("missing.bin"));
+  EXPECT_THAT(asked,
+              testing::ElementsAre("HTTPS://example.com/m.gltf?v=1 ", "HTTPS://example.com/m.gltf?v=1 a.bin",
+                                   "HTTPS://example.com/m.gltf?v=1 missing.bin"));
+}
+
 TEST_F(ResolverTest, ReadsModelsOfEveryScheme) {
   write("models/box.gltf", gltf({"box.bin"}));
   const AssetResolver assets = resolver({{"box.bin", "part"}, {"model", gltf({"box.bin"})}});

@@ -43,7 +43,15 @@ std::vector<std::string> image_urls() {
 std::vector<std::string> key_files() {
   const std::string hash(64, 'a'), secret(64, '7');
   return {"# ours\nshop:render:" + hash + ":60:1000\nci:render,assets,admin:" + std::string(64, 'b') +
-          "\r\n" + '\0' + "k1:" + secret + "\n\nk2:" + secret + secret + "\n"};
+              "\r\n" + '\0' + "k1:" + secret + "\n\nk2:" + secret + secret + "\n",
+          std::string(1, '\0') + "june:whsec_MfKQ9r8GKYqrTwjUPD8ILPZIo2LaLaSw\n"};
+}
+
+std::vector<std::string> outbound_urls() {
+  const auto pair = [](const std::string& list, const std::string& url) { return list + '\0' + url; };
+  return {pair("example.com, *.example.org", "https://a.example.org:443/m/a%20b.glb?v=1#x"),
+          pair("http://127.0.0.1:9000", "HTTP://0x7f.1:9000/../x"), pair("../a b.bin", "https://[::1]:8443/"),
+          pair("*", "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01")};
 }
 
 // The fields of run_reply (request_targets.cpp): an answer as a decoder's process writes it.
@@ -121,6 +129,7 @@ void add_request_seeds(Seeds& seeds) {
   seeds["head"] = heads();
   seeds["image_url"] = image_urls();
   seeds["keys"] = key_files();
+  seeds["outbound_url"] = outbound_urls();
   seeds["preset"] = {
       R"({"furnace:open":["width","model"],"output":{"height":480},"scene":{"model":"builtin:torus"}})"};
   seeds["reply"] = replies();

@@ -9,8 +9,10 @@
 #include "renderer/base/error.hpp"
 #include "server/api_keys.hpp"
 #include "server/image_url.hpp"
+#include "server/outbound_url.hpp"
 #include "server/url_query.hpp"
 #include "server/url_signature.hpp"
+#include "server/webhook.hpp"
 #include "tests/fuzz/mutators.hpp"
 #include "tests/fuzz/targets.hpp"
 
@@ -40,7 +42,7 @@ void run_image_url(Input input) {
   }
 }
 
-// Input: a file of API keys; behind a zero byte one of URL keys.
+// Input: a file of API keys; behind a zero byte one of URL keys or of webhooks' secrets.
 void run_keys(Input input) {
   const TextPair texts = split(input);
   try {
@@ -51,8 +53,39 @@ void run_keys(Input input) {
   } catch (const Error& error) {
     FURNACE_CHECK(error.code == ErrorCode::kUnprocessable, "{}", error.message);
   }
+  try {
+    for (const WebhookKey& key : parse_webhook_keys(texts.second))
+      FURNACE_CHECK(!key.name.empty() && key.secret.size() >= 24, "a weak secret");
+  } catch (const Error& error) {
+    FURNACE_CHECK(error.code == ErrorCode::kUnprocessable, "{}", error.message);
+  }
   for (const UrlKey& key : parse_url_keys(texts.second))
     FURNACE_CHECK(!key.id.empty() && key.secret.size() >= 16, "a weak secret");
+}
+
+void check_outbound_url(const OutboundUrl& url) {
+  const auto again = parse_outbound_url(url.text);
+  FURNACE_CHECK(again && again->text == url.text && again->has_origin_of(url) && again->path == url.path,
+                "another reading of {}", url.text);
+  static const AllowList list("example.com, *.example.org, http://127.0.0.1:9000");
+  static const NetworkAddress loopback = *parse_network_address("127.0.0.1");
+  const bool is_named = url.host == "example.com" || url.host.ends_with(".example.org");
+  FURNACE_CHECK(!list.allows(url) || is_named || url.address == loopback, "{} is allowed", url.text);
+  FURNACE_CHECK(!list.allows_address(url, loopback) || (url.address == loopback && url.port == 9000),
+                "{} leads inside", url.text);
+}
+
+// Input: an allow-list, which is also taken for a relative reference; behind a zero byte a URL.
+void run_outbound_url(Input input) {
+  const TextPair texts = split(input);
+  static const OutboundUrl base = *parse_outbound_url("https://example.com/a/b.gltf?c");
+  if (const auto url = resolve_outbound_url(base, texts.first)) check_outbound_url(*url);
+  const auto url = parse_outbound_url(texts.second);
+  if (url) check_outbound_url(*url);
+  is_traceparent(texts.second);
+  if (!url || !AllowList::fault(texts.first).empty()) return;
+  const AllowList list(texts.first);
+  FURNACE_CHECK(!list.allows(*url) || !list.empty(), "an empty list allows {}", url->text);
 }
 
 void run_preset(Input input) {
@@ -66,6 +99,7 @@ void run_preset(Input input) {
 constexpr std::array kTargets = {
     Target{"image_url", run_image_url, kMostUrlBytes, mutate_bytes},
     Target{"keys", run_keys, kMostUrlBytes, mutate_bytes},
+    Target{"outbound_url", run_outbound_url, kMostUrlBytes, mutate_bytes},
     Target{"preset", run_preset, kMostUrlBytes, mutate_bytes},
 };
 
