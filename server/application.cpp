@@ -10,6 +10,7 @@
 #include "renderer/base/error.hpp"
 #include "renderer/base/log.hpp"
 #include "server/build_id.hpp"
+#include "server/even_time.hpp"
 
 namespace furnace {
 namespace {
@@ -90,6 +91,7 @@ AssetStoreConfig asset_store_config(const Config& config) {
   out.largest_bytes = config.max_asset_bytes;
   out.budget_bytes = config.asset_store_bytes;
   out.ttl = milliseconds(config.asset_ttl_ms);
+  out.now = [] { return std::chrono::file_clock::from_sys(even_now()); };
   out.memory_bytes = config.file_cache_bytes;
   return out;
 }

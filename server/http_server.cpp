@@ -48,6 +48,7 @@ struct Exchange {
   Request request = {};
   Framing framing = {};
   bool head_complete = false;
+  bool takes_interim = false;  // RFC 9110 section 15.2: clients of HTTP/1.0 know no 1xx
   bool replied = false;
   bool close = false;     // the connection cannot carry another request
   bool unwanted = false;  // the body is not read
@@ -328,6 +329,7 @@ bool HttpServer::State::serve_request(SocketIo& io, bool last) {
 // Takes what we need from a head, then leaves the library only what it must know to read the body.
 void HttpServer::State::receive_head(httplib::Request& head, Exchange& exchange) {
   exchange.head_complete = true;
+  exchange.takes_interim = head.version == "HTTP/1.1";
   Request& request = exchange.request;
   request.method = head.method;
   request.path = head.path;
@@ -379,7 +381,7 @@ bool HttpServer::State::receive_body(const httplib::ContentReader& reader, Excha
 }
 
 void HttpServer::State::answer(Exchange& exchange, httplib::Response& out) {
-  const InFlight::Entry entry(in_flight_, exchange.io.socket());
+  const InFlight::Entry entry(in_flight_, exchange.io, exchange.takes_interim);
   exchange.request.deadline = Deadline(config_.timeout, entry.token());
   fill(out, dispatcher_.handle(exchange.request));
   exchange.drop_body();

@@ -70,8 +70,9 @@ struct JobStore::Database {
     const std::int64_t found = version.step() ? version.number(0) : 0;
     version.reset();
     if (found != 0 && found != kSchemaVersion)
-      furnace::fail(ErrorCode::kStorage,
+      furnace::fail(ErrorCode::kUnprocessable,
                     fmt::format("{} was written by another version of this program", name));
+    if (found == kSchemaVersion) return;
     run(kSchema);
     run(fmt::format("PRAGMA user_version={}", kSchemaVersion).c_str());
   }
@@ -223,17 +224,31 @@ JobStore::JobStore(const std::filesystem::path& folder, const JobLimits& limits)
     database_ = std::make_unique<Database>(":memory:");
     return;
   }
-  database_ = std::make_unique<Database>((folder / "jobs.sqlite").string());
-  Database::Transaction whole(*database_);
+  file_ = folder / "jobs.sqlite";
+  try {
+    const std::lock_guard lock(mutex_);
+    database();
+  } catch (const Error& error) {
+    if (error.code != ErrorCode::kStorage) throw;
+    log::error("jobs.not_opened", {{"path", file_.string()}, {"reason", error.detail}});
+  }
+}
+
+// A disk that was full when the process began may have room by now.
+JobStore::Database& JobStore::database() {
+  if (database_) return *database_;
+  auto opened = std::make_unique<Database>(file_.string());
+  Database::Transaction whole(*opened);
   Database::Statement(
-      *database_,
-      "UPDATE jobs SET status=3, finished_ms=created_ms, problem=? WHERE status=1 AND attempts>=?")
+      *opened, "UPDATE jobs SET status=3, finished_ms=created_ms, problem=? WHERE status=1 AND attempts>=?")
       .bind(std::string_view(R"({"type":"about:blank","title":"Internal Server Error","status":500,)"
                              R"("detail":"The server ended several times while it drew this."})"))
-      .bind(std::int64_t(limits.max_attempts))
+      .bind(std::int64_t(limits_.max_attempts))
       .step();
-  database_->run("UPDATE jobs SET status=0, started_ms=0 WHERE status=1");
+  opened->run("UPDATE jobs SET status=0, started_ms=0 WHERE status=1");
   whole.commit();
+  database_ = std::move(opened);
+  return *database_;
 }
 
 JobStore::~JobStore() = default;
@@ -241,7 +256,7 @@ JobStore::~JobStore() = default;
 JobStore::Created JobStore::create(const JobRequest& request, std::int64_t now_ms) {
   trim(now_ms);
   const std::lock_guard lock(mutex_);
-  Database& db = *database_;
+  Database& db = database();
   Database::Transaction whole(db);
   const std::string hash = hash_of(request);
   if (request.idempotency_key) {
@@ -285,7 +300,7 @@ JobStore::Created JobStore::create(const JobRequest& request, std::int64_t now_m
 
 std::optional<JobWork> JobStore::begin(std::int64_t now_ms) {
   const std::lock_guard lock(mutex_);
-  Database& db = *database_;
+  Database& db = database();
   Database::Transaction whole(db);
   JobWork work;
   {
@@ -307,7 +322,7 @@ std::optional<JobWork> JobStore::begin(std::int64_t now_ms) {
 
 void JobStore::put_back(const std::string& id) {
   const std::lock_guard lock(mutex_);
-  Database::Statement(*database_,
+  Database::Statement(database(),
                       "UPDATE jobs SET status=0, started_ms=0, attempts=attempts-1 WHERE id=? AND status=1")
       .bind(std::string_view(id))
       .step();
@@ -316,14 +331,14 @@ void JobStore::put_back(const std::string& id) {
 
 void JobStore::tell_progress(const std::string& id, int frames_done, int frames) {
   const std::lock_guard lock(mutex_);
-  for (Database::Progress& progress : database_->progress)
+  for (Database::Progress& progress : database().progress)
     if (progress.id == id) progress = {id, frames_done, frames};
 }
 
 void JobStore::succeed(const std::string& id, std::string_view result, std::int64_t now_ms) {
   {
     const std::lock_guard lock(mutex_);
-    Database& db = *database_;
+    Database& db = database();
     std::erase_if(db.progress, [&](const auto& p) { return p.id == id; });
     Database::Transaction whole(db);
     if (!db.finish(id, JobStatus::kSucceeded, {}, now_ms)) return;
@@ -342,30 +357,31 @@ void JobStore::succeed(const std::string& id, std::string_view result, std::int6
 
 void JobStore::fail(const std::string& id, std::string_view problem, std::int64_t now_ms) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(database_->progress, [&](const auto& p) { return p.id == id; });
-  Database::Transaction whole(*database_);
-  database_->finish(id, JobStatus::kFailed, problem, now_ms);
+  Database& db = database();
+  std::erase_if(db.progress, [&](const auto& p) { return p.id == id; });
+  Database::Transaction whole(db);
+  db.finish(id, JobStatus::kFailed, problem, now_ms);
   whole.commit();
 }
 
 std::optional<Job> JobStore::find(const std::string& id) {
   const std::lock_guard lock(mutex_);
-  std::optional<Job> job = database_->find("id", id);
-  for (const Database::Progress& progress : database_->progress)
+  std::optional<Job> job = database().find("id", id);
+  for (const Database::Progress& progress : database().progress)
     if (job && progress.id == id) job->frames_done = progress.done, job->frames = progress.of;
   return job;
 }
 
 std::optional<std::string> JobStore::result(const std::string& id) {
   const std::lock_guard lock(mutex_);
-  Database::Statement statement(*database_, "SELECT file FROM results WHERE id=?");
+  Database::Statement statement(database(), "SELECT file FROM results WHERE id=?");
   if (!statement.bind(std::string_view(id)).step()) return std::nullopt;
   return statement.text(0);
 }
 
 bool JobStore::remove(const std::string& id, std::int64_t now_ms) {
   const std::lock_guard lock(mutex_);
-  Database& db = *database_;
+  Database& db = database();
   Database::Transaction whole(db);
   const std::optional<Job> job = db.find("id", id);
   if (!job) return false;
@@ -384,12 +400,13 @@ bool JobStore::remove(const std::string& id, std::int64_t now_ms) {
 
 int JobStore::waiting() {
   const std::lock_guard lock(mutex_);
+  if (!database_) return 0;
   return int(database_->number_of("SELECT COUNT(*) FROM jobs WHERE status=0"));
 }
 
 void JobStore::trim(std::int64_t now_ms) {
   const std::lock_guard lock(mutex_);
-  Database& db = *database_;
+  Database& db = database();
   Database::Transaction whole(db);
   const auto erase_each = [&](const char* sql, std::int64_t bound) {
     std::vector<std::string> ids;

@@ -89,7 +89,10 @@ class JobStore {
 
  private:
   struct Database;
-  std::mutex mutex_;  // of the database and what it prepares
+  Database& database();  // Errors: kStorage
+
+  std::filesystem::path file_;  // empty: in memory
+  std::mutex mutex_;            // of the database and what it prepares
   std::unique_ptr<Database> database_;
   const JobLimits limits_;
 };

@@ -14,9 +14,12 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::size_t kBufferBytes = 16 << 10;
-constexpr milliseconds kSlice{50};            // how often a wait looks up
-constexpr milliseconds kHurriedHeader{1000};  // time for headers while others wait for a thread
+constexpr milliseconds kSlice{50};  // how often a wait looks up
+constexpr milliseconds kHurried{
+    1000};  // time for headers, and grace of a body, while others wait for a thread
 constexpr std::int64_t kMaxLingerBytes = 256ll << 20;
+constexpr std::string_view kSignOfLife = "HTTP/1.1 102 Processing\r\n\r\n";  // RFC 2518 section 10.1
+constexpr milliseconds kSignPeriod{1000};
 
 // True when the socket is ready (or broken: the next call on it tells).
 bool wait_ready(int socket, short events, milliseconds patience) {
@@ -89,14 +92,15 @@ bool SocketIo::fill() {
 }
 
 bool SocketIo::out_of_time() const {
+  if (!in_head_) return is_too_slow(begin_, received_bytes_);
   const auto now = Clock::now();
-  if (!in_head_) return now > slowest_end(begin_, received_bytes_);
-  return now > begin_ + limits_.header_timeout || (now > begin_ + kHurriedHeader && hurry_());
+  return now > begin_ + limits_.header_timeout || (now > begin_ + kHurried && hurry_());
 }
 
 // When a transfer that has come to `bytes` is too slow to be waited for.
-Clock::time_point SocketIo::slowest_end(Clock::time_point begin, std::int64_t bytes) const {
-  return begin + limits_.io_timeout + milliseconds(bytes * 1000 / limits_.min_bytes_per_s);
+bool SocketIo::is_too_slow(Clock::time_point begin, std::int64_t bytes) const {
+  const auto past_due = Clock::now() - begin - milliseconds(bytes * 1000 / limits_.min_bytes_per_s);
+  return past_due > limits_.io_timeout || (past_due > kHurried && hurry_ && hurry_());
 }
 
 bool SocketIo::write(const char* data, std::size_t size) {
@@ -112,10 +116,8 @@ bool SocketIo::write(const char* data, std::size_t size) {
       continue;
     }
     if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) return false;
-    if (now - last_progress > limits_.io_timeout ||
-        now > slowest_end(begin, static_cast<std::int64_t>(sent))) {
+    if (now - last_progress > limits_.io_timeout || is_too_slow(begin, static_cast<std::int64_t>(sent)))
       return false;
-    }
     wait_ready(socket_, POLLOUT, kSlice);
   }
   return true;
@@ -134,13 +136,16 @@ void SocketIo::linger(milliseconds patience) {
   } while (Clock::now() < end && swallowed < kMaxLingerBytes);
 }
 
-std::vector<bool> hung_up(std::span<const int> sockets) {
-  std::vector<pollfd> entries;
-  for (const int socket : sockets) entries.push_back({socket, POLLRDHUP, 0});
-  std::vector<bool> gone(sockets.size(), false);
-  if (::poll(entries.data(), entries.size(), 0) <= 0) return gone;
-  for (std::size_t i = 0; i < entries.size(); ++i) gone[i] = entries[i].revents != 0;
-  return gone;
+bool SocketIo::client_listens(bool takes_interim) {
+  pollfd entry{socket_, POLLRDHUP, 0};
+  if (::poll(&entry, 1, 0) <= 0) return true;
+  if ((entry.revents & (POLLERR | POLLHUP)) != 0 || !takes_interim) return false;
+  const auto now = Clock::now();
+  if (now < next_sign_) return true;
+  next_sign_ = now + kSignPeriod;
+  // The machine of a client that has left answers with a reset, which the next look sees.
+  const ssize_t sent = ::send(socket_, kSignOfLife.data(), kSignOfLife.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  return sent == static_cast<ssize_t>(kSignOfLife.size());
 }
 
 }  // namespace furnace

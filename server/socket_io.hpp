@@ -4,11 +4,9 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <sys/types.h>
-#include <vector>
 
 #include "renderer/base/deadline.hpp"
 
@@ -32,13 +30,18 @@ class SocketIo {
   bool wait_for_request(std::chrono::milliseconds patience, const std::function<bool()>& give_up);
 
   // Limits of what is read next: a head, after whose first second `hurry` may end it, or a body of at most
-  // `max_bytes`.
+  // `max_bytes`, which `hurry` ends when it is slow on the whole, whatever the pauses it may make otherwise.
   void begin_head(std::function<bool()> hurry);
   void begin_body(std::int64_t max_bytes);
 
   ssize_t read(char* out, std::size_t size);  // > 0, or -1 with fault()
   bool write(const char* data, std::size_t size);
   ReadFault fault() const { return fault_; }
+
+  // Whether there is still somebody to answer. A client that has only shut down its sending side looks like one that has
+  // left until something is sent to it, so with `takes_interim` (HTTP/1.1) it is told now and then that it is not forgotten.
+  // While the request is being answered; by any one thread then.
+  bool client_listens(bool takes_interim);
 
   // Says that no more will be sent and swallows what still comes: closing over unread bytes would reset the
   // connection and take the answer with it.
@@ -49,7 +52,7 @@ class SocketIo {
  private:
   bool fill();
   bool out_of_time() const;
-  Clock::time_point slowest_end(Clock::time_point begin, std::int64_t bytes) const;
+  bool is_too_slow(Clock::time_point begin, std::int64_t bytes) const;
 
   int socket_;
   IoLimits limits_;
@@ -61,10 +64,7 @@ class SocketIo {
   std::int64_t received_bytes_ = 0;  // of this head or body
   std::int64_t max_bytes_ = 0;
   ReadFault fault_ = ReadFault::kNone;
+  Clock::time_point next_sign_{};  // of life, to a client that sends no more
 };
-
-// Which of `sockets` were closed or shut down by the other side. A client that only shuts down its sending
-// side counts as gone: the two cannot be told apart.
-std::vector<bool> hung_up(std::span<const int> sockets);
 
 }  // namespace furnace

@@ -98,6 +98,11 @@ def curl(url, *flags):
     return answer_of(curl_process(url, *flags))
 
 
+def handles(server):
+    """Open descriptors and threads of the process."""
+    return tuple(len(os.listdir(f"/proc/{server.process.pid}/{kind}")) for kind in ("fd", "task"))
+
+
 def small(width=48, height=32, **output):
     return {"output": {"width": width, "height": height, "samples": 1, **output}}
 
