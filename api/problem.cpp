@@ -53,7 +53,7 @@ std::string_view problem_title(ErrorCode code) {
   return status_row(code).title;
 }
 
-std::string problem_json(const Error& error, std::string_view request_id) {
+std::string problem_json(const Error& error, std::string_view request_id, std::string_view trace_id) {
   const StatusRow row = status_row(error.code);
   nlohmann::ordered_json problem;
   problem["type"] = "/problems/" + std::string(error_code_name(error.code));
@@ -61,6 +61,7 @@ std::string problem_json(const Error& error, std::string_view request_id) {
   problem["status"] = row.status;
   problem["detail"] = error.message;
   if (!request_id.empty()) problem["instance"] = request_id;
+  if (!trace_id.empty()) problem["traceId"] = trace_id;
   if (!error.pointer.empty()) problem["pointer"] = error.pointer;
   for (const Problem& fault : error.problems)
     problem["errors"].push_back({{"pointer", fault.pointer}, {"detail", fault.message}});

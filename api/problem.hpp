@@ -16,10 +16,10 @@ int http_status(ErrorCode code);
 std::string_view problem_title(
     ErrorCode code);  // the same for every error of one code (RFC 9457 section 3.1.3)
 
-// {type, title, status, detail, instance, pointer, errors}: `instance` is the request id, left out when
-// empty; `pointer` and `errors` only when there are any. Error::detail and Error::context are for the log and
-// never written here.
-std::string problem_json(const Error& error, std::string_view request_id);
+// {type, title, status, detail, instance, traceId, pointer, errors}: `instance` is the request id, `traceId` that of W3C Trace
+// Context, both left out when empty; `pointer` and `errors` only when there are any. Error::detail and Error::context are for
+// the log and never written here.
+std::string problem_json(const Error& error, std::string_view request_id, std::string_view trace_id = {});
 
 // Who fixes a document fixes it from the first problems on; more would only make answers long.
 inline constexpr std::size_t kMaxProblems = 100;

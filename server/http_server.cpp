@@ -338,6 +338,7 @@ void HttpServer::State::receive_head(httplib::Request& head, Exchange& exchange)
   request.headers = joined_headers(head.headers);
   request.id =
       is_sane_request_id(request.header("X-Request-Id")) ? request.headers["X-Request-Id"] : new_request_id();
+  request.trace = trace_of(request.header("traceparent"));
   const Incoming incoming = dispatcher_.receive(request);
   const std::int64_t max_body_bytes = incoming.max_bytes > 0 ? incoming.max_bytes : config_.max_body_bytes;
   request.sink = incoming.sink;

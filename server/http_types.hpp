@@ -14,6 +14,7 @@
 
 #include "renderer/base/deadline.hpp"
 #include "server/file_body.hpp"
+#include "server/trace_context.hpp"
 
 namespace furnace {
 
@@ -45,6 +46,7 @@ struct Request {
   std::string body;
   std::shared_ptr<BodySink> sink;  // has taken the body instead, all of it; null: it is in `body`
   std::string id;                  // request id: goes into the log, the reply and problem documents
+  TraceContext trace;              // likewise
   Deadline deadline;
 
   std::string_view header(std::string_view name) const {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "renderer/base/error.hpp"
+#include "renderer/base/log.hpp"
 #include "api/job_report.hpp"
 #include "api/stored_render.hpp"
 #include "server/negotiation.hpp"
@@ -134,6 +135,7 @@ Reply JobDoors::accept(const Request& request) {
                           priority_of(request),
                           idempotency_key(request)};
   const JobStore::Created created = store_.create(wanted, unix_time_ms());
+  log::info("job.accepted", {{"id", created.job.id}, {"is_new", created.is_new}});
   if (created.is_new) runner_.wake();
   return reply_of(202, created.job).with("Preference-Applied", "respond-async");
 }

@@ -129,7 +129,7 @@ bool JobRunner::is_stopping() {
 
 // Errors: those of the work; what is thrown otherwise becomes one.
 std::string JobRunner::run(const JobWork& work, std::stop_token cancel) {
-  const log::RequestScope scope(work.id);
+  const log::RequestScope scope({work.id, {}, {}});
   log::info("job.begin", {{"id", work.id}});
   const auto progress = [&](int done, int of) { store_.tell_progress(work.id, done, of); };
   try {

@@ -80,7 +80,9 @@ struct JobStore::Database {
   Database& operator=(const Database&) = delete;
 
   [[noreturn]] void refuse(std::string_view doing) const {
-    furnace::fail(ErrorCode::kStorage, "The list of jobs could not be read or written.", {},
+    const bool is_foreign = handle && sqlite3_errcode(handle) == SQLITE_NOTADB;
+    furnace::fail(is_foreign ? ErrorCode::kUnprocessable : ErrorCode::kStorage,
+                  "The list of jobs could not be read or written.", {},
                   fmt::format("{}: {}", doing, handle ? sqlite3_errmsg(handle) : "out of memory"));
   }
 

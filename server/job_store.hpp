@@ -51,7 +51,7 @@ struct JobLimits {
 };
 
 // One SQLite database, FOLDER/jobs.sqlite, or in memory without a folder, or with one that cannot be written to: then the log
-// says so, and jobs end with the process. Every change is on the disk when its function returns.
+// says so, and jobs end with the process. A database that cannot be opened at first, on a full disk, is opened later. Every change is on the disk when its function returns.
 // Errors of all: kStorage.
 // Threads: any. Owns: the database; one object per folder and process.
 class JobStore {

@@ -9,6 +9,7 @@
 #include "renderer/base/error.hpp"
 #include "server/api_keys.hpp"
 #include "server/image_url.hpp"
+#include "server/trace_context.hpp"
 #include "server/url_query.hpp"
 #include "server/url_signature.hpp"
 #include "tests/fuzz/mutators.hpp"
@@ -63,10 +64,20 @@ void run_preset(Input input) {
                 "another reading, another request");
 }
 
+// Whatever comes, our own field is valid, and it is of the trace that a valid one names.
+void run_traceparent(Input input) {
+  const std::string_view field = text_of(input);
+  const TraceContext context = trace_of(field);
+  const TraceContext next = trace_of(context.text());
+  FURNACE_CHECK(next.trace_id == context.trace_id && next.parent_id == context.span_id, "{}", context.text());
+  FURNACE_CHECK(context.parent_id.empty() || field.find(context.trace_id) == 3, "{}", context.text());
+}
+
 constexpr std::array kTargets = {
     Target{"image_url", run_image_url, kMostUrlBytes, mutate_bytes},
     Target{"keys", run_keys, kMostUrlBytes, mutate_bytes},
     Target{"preset", run_preset, kMostUrlBytes, mutate_bytes},
+    Target{"traceparent", run_traceparent, 256, mutate_bytes},
 };
 
 }  // namespace
