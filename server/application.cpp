@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <string>
 #include <thread>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "renderer/base/check.hpp"
 #include "renderer/base/error.hpp"
@@ -62,6 +65,7 @@ HttpConfig http_config(const Config& config, std::string_view listen, int thread
   out.keep_alive = milliseconds(config.keep_alive_ms);
   out.io.header_timeout = milliseconds(config.header_timeout_ms);
   out.io.io_timeout = milliseconds(config.io_timeout_ms);
+  out.hsts_max_age = milliseconds(config.hsts_max_age_ms);
   return out;
 }
 
@@ -128,6 +132,11 @@ api::RequestLimits request_limits(const Config& config) {
   return limits;
 }
 
+std::unique_ptr<TlsCertificate> tls_certificate(const Config& config) {
+  if (config.tls_certificate.empty()) return nullptr;
+  return std::make_unique<TlsCertificate>(TlsFiles{config.tls_certificate, config.tls_key});
+}
+
 Engine::Engine(const Config& config, std::vector<std::filesystem::path> file_roots)
     : pool_(cpu_threads(config)),
       decoders(config),
@@ -173,6 +182,7 @@ Application::Application(const Config& config)
       job_doors_(jobs_, job_runner_, config_.event_streams),
       public_dispatcher_(public_routes(doors_, config_.admin_listen.empty()), metrics_, &gate_),
       admin_dispatcher_(operation_routes(doors_, true), metrics_),
+      tls_(tls_certificate(config_)),
       admin_server_(
           config_.admin_listen.empty()
               ? nullptr
@@ -181,7 +191,7 @@ Application::Application(const Config& config)
       // A waiting request holds its thread, and so does a stream of events.
       server_(http_config(config_, config_.listen,
                           seats(config_) + config_.queue + config_.event_streams + kRefusingThreads),
-              public_dispatcher_, metrics_) {}
+              public_dispatcher_, metrics_, tls_.get()) {}
 
 void Application::start() {
   if (admin_server_) admin_server_->start();
@@ -205,13 +215,17 @@ bool Application::hangs() const {
   return config_.gl_watchdog_ms > 0 && engine_.renderer.overdue() > milliseconds(config_.gl_watchdog_ms);
 }
 
-void Application::reload_keys() {
-  try {
-    gate_.reload();
-    log::info("keys.reloaded");
-  } catch (const Error& error) {
-    log::error("keys.kept", {{"message", error.message}, {"detail", error.detail}});
-  }
+void Application::reload() {
+  const auto attempt = [](std::string_view what, const std::function<void()>& renew) {
+    try {
+      renew();
+      log::info(fmt::format("{}.reloaded", what));
+    } catch (const Error& error) {
+      log::error(fmt::format("{}.kept", what), {{"message", error.message}, {"detail", error.detail}});
+    }
+  };
+  attempt("keys", [this] { gate_.reload(); });
+  if (tls_) attempt("tls", [this] { tls_->reload(); });
 }
 
 std::optional<int> Application::admin_port() const {

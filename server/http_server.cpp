@@ -126,7 +126,7 @@ class BoundedPool : public httplib::ThreadPool {
 }  // namespace
 
 struct HttpServer::State : private httplib::Server {
-  State(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics);
+  State(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics, const TlsCertificate* tls);
 
   void start();
   void stop_serving(milliseconds drain);
@@ -151,6 +151,7 @@ struct HttpServer::State : private httplib::Server {
   const HttpConfig config_;
   const Dispatcher& dispatcher_;
   Metrics& metrics_;
+  const TlsCertificate* const tls_;
   const std::string too_many_connections_;
   BoundedPool* pool_ = nullptr;  // the library owns it while it listens
   InFlight in_flight_;
@@ -162,10 +163,12 @@ struct HttpServer::State : private httplib::Server {
   std::thread accept_thread_;
 };
 
-HttpServer::State::State(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics)
+HttpServer::State::State(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics,
+                         const TlsCertificate* tls)
     : config_(config),
       dispatcher_(dispatcher),
       metrics_(metrics),
+      tls_(tls),
       too_many_connections_(raw_response(dispatcher.overloaded())) {
   install_hooks();
   bind();
@@ -219,17 +222,21 @@ void HttpServer::State::install_hooks() {
            out);
     return HandlerResponse::Handled;
   }));
-  set_post_routing_handler([](const httplib::Request&, httplib::Response& out) {
-    out.headers.erase("Accept-Ranges");
-    if (out.status == 304)
-      out.headers.erase("Content-Length");  // the picture's is not known (RFC 9110 section 15.4.5)
-    if (current_exchange->close) {
-      out.headers.erase("Keep-Alive");
-      out.headers.erase("Connection");
-      out.set_header("Connection", "close");
-    }
-    out.set_header("Date", http_date());
-  });
+  const auto hsts_s = std::chrono::duration_cast<std::chrono::seconds>(config_.hsts_max_age).count();
+  set_post_routing_handler(
+      [says_hsts = tls_ != nullptr && hsts_s > 0, hsts = fmt::format("max-age={}", hsts_s)](
+          const httplib::Request&, httplib::Response& out) {
+        if (says_hsts) out.set_header("Strict-Transport-Security", hsts);
+        out.headers.erase("Accept-Ranges");
+        if (out.status == 304)
+          out.headers.erase("Content-Length");  // the picture's is not known (RFC 9110 section 15.4.5)
+        if (current_exchange->close) {
+          out.headers.erase("Keep-Alive");
+          out.headers.erase("Connection");
+          out.set_header("Connection", "close");
+        }
+        out.set_header("Date", http_date());
+      });
 }
 
 void HttpServer::State::start() {
@@ -292,6 +299,7 @@ bool HttpServer::State::process_and_close_socket(socket_t socket) {
 
 void HttpServer::State::refuse_connection(int socket) {
   metrics_.connections_refused.Increment();
+  if (tls_ != nullptr) return;  // no keys to say it with
   SocketIo io(socket, config_.io);
   io.write(too_many_connections_.data(),
            too_many_connections_.size());  // fits the empty send buffer: no waiting here
@@ -299,12 +307,12 @@ void HttpServer::State::refuse_connection(int socket) {
 }
 
 void HttpServer::State::serve_connection(int socket) {
-  SocketIo io(socket, config_.io);
+  SocketIo io(socket, config_.io, tls_ ? tls_->session(socket) : nullptr);
   const auto opened = Clock::now();
   const auto too_late = [this, opened] {
     return stopping_ || (pool_->under_pressure() && Clock::now() - opened > std::chrono::seconds(1));
   };
-  bool more = io.wait_for_request(config_.io.header_timeout, too_late);
+  bool more = io.handshake(too_late) && io.wait_for_request(config_.io.header_timeout, too_late);
   for (int left = kMaxRequestsPerConnection - 1; more && serve_request(io, left == 0); --left) {
     more = io.wait_for_request(config_.keep_alive, [this] { return stopping_ || pool_->under_pressure(); });
   }
@@ -408,8 +416,9 @@ void HttpServer::State::refuse_without_head(Exchange& exchange) {
   exchange.replied = exchange.io.write(text.data(), text.size());
 }
 
-HttpServer::HttpServer(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics)
-    : state_(std::make_unique<State>(config, dispatcher, metrics)) {}
+HttpServer::HttpServer(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics,
+                       const TlsCertificate* tls)
+    : state_(std::make_unique<State>(config, dispatcher, metrics, tls)) {}
 HttpServer::~HttpServer() {
   state_->stop_serving(milliseconds(0));
 }

@@ -4,11 +4,14 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <sys/types.h>
+#include <utility>
 
 #include "renderer/base/deadline.hpp"
+#include "server/tls.hpp"
 
 namespace furnace {
 
@@ -21,10 +24,16 @@ struct IoLimits {
 
 enum class ReadFault { kNone, kClosed, kTimeout, kTooMuch };
 
-// Threads: one. Owns: nothing, the socket is its caller's.
+// Threads: one. Owns: the TLS session; the socket is its caller's.
 class SocketIo {
  public:
-  SocketIo(int socket, const IoLimits& limits) : socket_(socket), limits_(limits) {}
+  // Without `tls` bytes go over the wire as they are.
+  SocketIo(int socket, const IoLimits& limits, std::unique_ptr<TlsSession> tls = nullptr)
+      : socket_(socket), limits_(limits), tls_(std::move(tls)) {}
+
+  // Agrees on keys with the client, within the time that a head may take, or until `give_up` says so. False: there will be no
+  // request.
+  bool handshake(const std::function<bool()>& give_up);
 
   // Waits for a request's first byte until `patience` ends or `give_up` says so; false: there will be none.
   bool wait_for_request(std::chrono::milliseconds patience, const std::function<bool()>& give_up);
@@ -50,12 +59,15 @@ class SocketIo {
   int socket() const { return socket_; }
 
  private:
+  TlsSession::Progress receive(char* out, std::size_t size);
+  TlsSession::Progress send(const char* data, std::size_t size);
   bool fill();
   bool out_of_time() const;
   bool is_too_slow(Clock::time_point begin, std::int64_t bytes) const;
 
   int socket_;
   IoLimits limits_;
+  std::unique_ptr<TlsSession> tls_;
   std::string buffer_;
   std::size_t next_ = 0;  // first byte of buffer_ not yet read
   bool in_head_ = false;

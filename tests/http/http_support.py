@@ -27,7 +27,7 @@ class Server:
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=self.log, text=True,
                                         env={**os.environ, **(environment or {})})
         self.lines = [self.process.stdout.readline().rstrip("\n")]
-        match = re.fullmatch(r"furnace listening on (http://127\.0\.0\.1:(\d+))", self.lines[0])
+        match = re.fullmatch(r"furnace listening on (https?://127\.0\.0\.1:(\d+))", self.lines[0])
         if not match:
             self.process.wait(PATIENCE_S)
             raise AssertionError(f"{command} said {self.lines}; its log:\n{self.log_text()}")
