@@ -38,7 +38,7 @@ using std::chrono::milliseconds;
 constexpr int kBacklog = 512;  // the library's own is 5
 constexpr int kMaxRequestsPerConnection = 1000;
 constexpr milliseconds kWatchPeriod{100};  // how soon a client's leaving is seen
-constexpr milliseconds kLinger{1000};
+constexpr milliseconds kLinger{1000}, kHurriedLinger{100};
 constexpr std::int64_t kChunkOverhead = 64 << 10;
 
 // One request as it passes through the library's hooks, on the stack of its connection's thread.
@@ -330,7 +330,7 @@ bool HttpServer::State::serve_request(SocketIo& io, bool last) {
       process_request(stream, last, closed_by_header,
                       [this, &exchange](httplib::Request& head) { receive_head(head, exchange); });
   if (!exchange.replied) refuse_without_head(exchange);
-  if (exchange.replied && (exchange.close || !exchange.head_complete)) io.linger(kLinger);
+  if (exchange.replied && (exchange.close || !exchange.head_complete)) io.linger(pool_->under_pressure() ? kHurriedLinger : kLinger);
   return written && exchange.head_complete && !exchange.close && !closed_by_header && !last;
 }
 

@@ -134,15 +134,13 @@ class Disk(FaultCase):
             self.assertEqual(self.unfinished_files(), [])
 
     def test_what_a_job_has_come_to_waits_for_room(self):
-        with self.server() as server:
+        with self.server(*UNCACHED) as server:
             place = post_job(server, {"output": {"width": 400, "height": 400, "samples": 16}}).headers["location"]
             self.until(lambda: self.job(server, place)["status"] == "running")
             self.faults.disk_errno = ENOSPC
-            before = self.faults.refusals
-            self.until(lambda: self.faults.refusals > before)
+            self.until(lambda: "jobs.failed" in server.log_text())
             self.assertEqual(self.job(server, place)["status"], "running")
-            other = post_job(server, small())
-            self.expect_problem(other, 507)
+            self.expect_problem(post_job(server, small()), 507)
             self.faults.disk_errno = 0
             self.expect_success(server, place)
             self.expect_success(server, post_job(server, small()).headers["location"])
