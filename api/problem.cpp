@@ -45,6 +45,17 @@ StatusRow status_row(ErrorCode code) {
 
 }  // namespace
 
+std::string blank_problem_json(int status, std::string_view title, std::string_view detail,
+                               std::string_view request_id, std::string_view trace_id) {
+  nlohmann::ordered_json problem{{"type", "about:blank"},
+                                 {"title", title},
+                                 {"status", status},
+                                 {"detail", detail},
+                                 {"instance", request_id}};
+  if (!trace_id.empty()) problem["traceId"] = trace_id;
+  return problem.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
 int http_status(ErrorCode code) {
   return status_row(code).status;
 }

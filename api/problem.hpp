@@ -21,6 +21,10 @@ std::string_view problem_title(
 // the log and never written here.
 std::string problem_json(const Error& error, std::string_view request_id, std::string_view trace_id = {});
 
+// RFC 9457 section 4.2.1: "about:blank" says no more than the status does. For statuses that no ErrorCode stands for.
+std::string blank_problem_json(int status, std::string_view title, std::string_view detail,
+                               std::string_view request_id, std::string_view trace_id = {});
+
 // Who fixes a document fixes it from the first problems on; more would only make answers long.
 inline constexpr std::size_t kMaxProblems = 100;
 

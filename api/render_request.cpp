@@ -4,6 +4,7 @@
 #include "api/film_request.hpp"
 #include "api/light_request.hpp"
 #include "api/material_request.hpp"
+#include "api/model_reference.hpp"
 #include "api/procedural_request.hpp"
 #include "api/request_values.hpp"
 #include "api/validate.hpp"
@@ -57,7 +58,7 @@ class Reader {
     for (const auto& [name, value] : scene["materials"].members())
       spec.materials.emplace(name, read_material(value, assets_, faults_));
     read_shading_model(scene["shadingModel"], spec.shading_model);
-    if (const Value model = scene["model"]) read_model(model, spec);
+    if (const Value model = scene["model"]) read_model(model, scene["files"], spec);
     const Value nodes = scene["nodes"];
     for (std::size_t i = 0; i < nodes.size(); ++i) spec.nodes.push_back(read_node(nodes.at(i), spec));
     const Value lights = scene["lights"];
@@ -89,6 +90,7 @@ class Reader {
     needs("animation", is_gltf, "a glTF file");
     needs("animations", is_gltf, "a glTF file");
     needs("upAxis", is_other, "an OBJ, STL or PLY file");
+    needs("files", is_file, "a file");
   }
 
   void read_animations(const Value& scene, SceneSpec& spec) {
@@ -117,12 +119,11 @@ class Reader {
     return node;
   }
 
-  void read_model(const Value& model, SceneSpec& spec) {
+  void read_model(const Value& model, const Value& files, SceneSpec& spec) {
     if (const auto name = builtin_name(model, builtin_mesh_names(), "mesh"))
       spec.nodes.push_back(default_node(*name));
     else if (!model.text().starts_with(kBuiltin))
-      faults_.collect(model,
-                      [&] { spec.model = assets_.read_model(std::string(model.text()), model.pointer()); });
+      spec.model = read_model_reference(model, files, assets_, faults_);
   }
 
   // The name after "builtin:", or none for another scheme or (told) an unknown name.

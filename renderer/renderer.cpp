@@ -5,19 +5,17 @@
 
 #include <fmt/format.h>
 
-#include "renderer/base/confined_thread.hpp"
 #include "renderer/base/error.hpp"
 #include "renderer/base/log.hpp"
 #include "renderer/frame/bloom.hpp"
 #include "renderer/frame/exposure.hpp"
 #include "renderer/frame/render_world.hpp"
 #include "renderer/scene/framing.hpp"
+#include "renderer/context_pool.hpp"
 #include "renderer/scene_store.hpp"
 
 namespace furnace {
 namespace {
-
-using GlThread = ConfinedThread<RenderWorld>;
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -109,6 +107,27 @@ RenderSpec probe_spec() {
   return spec;
 }
 
+// `count` contexts over the devices that "0,1" names, in turn; 0: one on each.
+std::vector<std::string> devices_of(const std::string& list, int count) {
+  std::vector<std::string> named;
+  for (std::size_t from = 0; from <= list.size();) {
+    const std::size_t comma = std::min(list.find(',', from), list.size());
+    named.push_back(list.substr(from, comma - from));
+    from = comma + 1;
+  }
+  std::vector<std::string> devices;
+  const std::size_t wanted = count > 0 ? std::size_t(count) : named.size();
+  for (std::size_t i = 0; i < wanted; ++i) devices.push_back(named[i % named.size()]);
+  return devices;
+}
+
+// What a context keeps resident is chiefly of the scene; how it is looked at does not matter.
+ContentHash affinity_of(const RenderSpec& spec) {
+  RenderSpec scene_only;
+  scene_only.scene = spec.scene;
+  return spec_hash(scene_only);
+}
+
 }  // namespace
 
 std::string Fingerprint::text() const {
@@ -117,22 +136,20 @@ std::string Fingerprint::text() const {
 
 struct Renderer::State {
   State(const RendererConfig& config, WorkerPool& pool, Decoder& decoder)
-      : resident(std::make_shared<ResidentKeys>()),
-        gl_thread("gl-0",
-                  [world_config = RenderWorldConfig{config.gl, config.shader_dir, config.gpu_cache_bytes},
-                   keys = resident] { return std::make_unique<RenderWorld>(world_config, keys); }),
-        limits(gl_thread.call(Deadline(), [](RenderWorld& world) { return world.context().limits(); })),
-        scenes(within(limits, config), pool, decoder, resident),
+      : contexts({{config.gl, config.shader_dir, config.gpu_cache_bytes},
+                  devices_of(config.gl.device, config.contexts),
+                  config.context_life}),
+        scenes(within(contexts.limits(), config), pool, decoder),
         max_tile_px(config.max_tile_px) {}
+
+  Film render(const RenderSpec& spec, ContextPool::Lease& context, const Deadline& deadline);
 
   static RendererConfig within(const gl::Limits& limits, RendererConfig config) {
     config.texture.max_side_px = std::min(config.texture.max_side_px, limits.max_texture_px);
     return config;
   }
 
-  std::shared_ptr<ResidentKeys> resident;
-  GlThread gl_thread;
-  const gl::Limits limits;
+  ContextPool contexts;
   SceneStore scenes;
   const int max_tile_px;
   Fingerprint fingerprint;
@@ -141,27 +158,31 @@ struct Renderer::State {
 Renderer::Renderer(const RendererConfig& config, WorkerPool& pool, Decoder& decoder)
     : state_(std::make_unique<State>(config, pool, decoder)) {
   state_->fingerprint.build = config.build_id;
-  state_->gl_thread.call(Deadline(), [&](RenderWorld& world) {
-    state_->fingerprint.gl = world.context().renderer() + " / " + world.context().version();
-    state_->fingerprint.shaders = world.programs().shaders().hash().hex().substr(0, 12);
-  });
+  state_->fingerprint.gl = state_->contexts.description();
+  state_->fingerprint.shaders = state_->contexts.shaders().hex().substr(0, 12);
 }
 
 Renderer::~Renderer() = default;
 
 Film Renderer::render(const RenderSpec& spec, const Deadline& deadline) {
+  ContextPool::Lease context = state_->contexts.lease(affinity_of(spec));
+  return state_->render(spec, context, deadline);
+}
+
+Film Renderer::State::render(const RenderSpec& spec, ContextPool::Lease& context, const Deadline& deadline) {
   Film film;
   GlOutcome outcome;
   // Twice is rare (an eviction or a reset between two steps), more is a fault.
   constexpr int kTries = 3;
   for (int attempt = 1;; ++attempt) {
-    Preparation preparation = state_->scenes.prepare(spec, deadline, film.times);
+    context.begin(deadline);
+    Preparation preparation = scenes.prepare(spec, context.resident(), deadline, film.times);
     const View view =
         make_view(spec.camera, preparation.composed->scene, {spec.output.width, spec.output.height});
     const Clock::time_point asked = Clock::now();
-    outcome = state_->gl_thread.call(deadline, [&](RenderWorld& world) {
+    outcome = context.thread().call(deadline, [&](RenderWorld& world) {
       const double queue_ms = ms_since(asked);
-      GlOutcome drawn = draw_on_gl_thread(world, spec, preparation, view, state_->max_tile_px, deadline);
+      GlOutcome drawn = draw_on_gl_thread(world, spec, preparation, view, max_tile_px, deadline);
       drawn.queue_ms = queue_ms;
       return drawn;
     });
@@ -179,7 +200,7 @@ Film Renderer::render(const RenderSpec& spec, const Deadline& deadline) {
     if (attempt == kTries) fail(ErrorCode::kGpuUnavailable, "the GPU keeps losing this scene; try again");
     if (outcome.kind == GlOutcome::Kind::kContextLost) {
       log::warning("gl.lost", {{"attempt", attempt}});
-      state_->gl_thread.rebuild(deadline);
+      context.rebuild(deadline);
     }
   }
   film.exposure_ev = outcome.exposure_ev;
@@ -204,21 +225,29 @@ EnvironmentAnswer Renderer::environment(const EnvironmentSpec& spec, const Deadl
 }
 
 bool Renderer::probe(const Deadline& deadline) {
-  const Film film = render(probe_spec(), deadline);
-  // A white furnace: whatever is drawn, every pixel is 1.
-  const auto pixels = film.image.samples<float>();
-  return std::all_of(pixels.begin(), pixels.end(), [](float value) { return std::abs(value - 1) <= 5e-3f; });
+  for (std::size_t i = 0; i < state_->contexts.size(); ++i) {
+    ContextPool::Lease context = state_->contexts.lease(i);
+    const Film film = state_->render(probe_spec(), context, deadline);
+    // A white furnace: whatever is drawn, every pixel is 1.
+    const auto right = [](float value) { return std::abs(value - 1) <= 5e-3f; };
+    const auto pixels = film.image.samples<float>();
+    if (!std::all_of(pixels.begin(), pixels.end(), right)) return false;
+  }
+  return true;
 }
 
 std::chrono::milliseconds Renderer::overdue() const {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(state_->gl_thread.overdue());
+  return std::chrono::duration_cast<std::chrono::milliseconds>(state_->contexts.overdue());
 }
 
 const Fingerprint& Renderer::fingerprint() const {
   return state_->fingerprint;
 }
 const gl::Limits& Renderer::limits() const {
-  return state_->limits;
+  return state_->contexts.limits();
+}
+ContextPoolStats Renderer::context_stats() const {
+  return state_->contexts.stats();
 }
 
 }  // namespace furnace

@@ -16,6 +16,7 @@
 #include "renderer/scene/render_spec.hpp"
 #include "renderer/scene/scene.hpp"
 #include "renderer/scene/sequence.hpp"
+#include "renderer/context_stats.hpp"
 
 namespace furnace {
 
@@ -23,7 +24,9 @@ class Decoder;
 class WorkerPool;
 
 struct RendererConfig {
-  gl::ContextConfig gl;
+  gl::ContextConfig gl;  // its device may be several: "0,1"
+  int contexts = 0;      // over the devices in turn; 0: one on each
+  ContextLife context_life;
   std::string build_id;                               // of the program, for the fingerprint
   std::string shader_dir;                             // empty: the shaders in the binary
   std::int64_t scene_cache_bytes = 256ll << 20;       // parsed scenes
@@ -74,10 +77,10 @@ struct Fingerprint {
   std::string text() const;  // one line, for the Furnace-Fingerprint header
 };
 
-// Threads: any. Owns: the GL thread and every cache behind it.
+// Threads: any. Owns: the GL threads and every cache behind them.
 class Renderer {
  public:
-  // Builds the GL context; fails with kGpuUnavailable. `pool` and `decoder` must outlive it.
+  // Builds the GL contexts; fails with kGpuUnavailable. `pool` and `decoder` must outlive it.
   Renderer(const RendererConfig& config, WorkerPool& pool, Decoder& decoder);
   ~Renderer();
 
@@ -90,15 +93,16 @@ class Renderer {
   // What a bake of the environment found; bakes it when no cache has it, as a render would. Errors: those of decode and bake.
   EnvironmentAnswer environment(const EnvironmentSpec& spec, const Deadline& deadline);
 
-  // Draws a tiny built-in probe and checks its pixels; false when they are wrong.
+  // Draws a tiny built-in probe on every context and checks its pixels; false when some are wrong.
   bool probe(const Deadline& deadline);
 
-  // For how long the GL thread has worked beyond the time of what it works on: it looks at the time between sub-frames, so more
+  // For how long a GL thread has worked beyond the time of what it works on: it looks at the time between sub-frames, so more
   // than some seconds mean that a driver does not come back.
   std::chrono::milliseconds overdue() const;
 
   const Fingerprint& fingerprint() const;
   const gl::Limits& limits() const;
+  ContextPoolStats context_stats() const;
 
  private:
   struct State;

@@ -77,12 +77,10 @@ std::vector<LightDirection> light_on_ground(const PreparedScene& scene, double r
 
 }  // namespace
 
-SceneStore::SceneStore(const RendererConfig& config, WorkerPool& pool, Decoder& decoder,
-                       std::shared_ptr<ResidentKeys> resident)
+SceneStore::SceneStore(const RendererConfig& config, WorkerPool& pool, Decoder& decoder)
     : config_(config),
       pool_(pool),
       decoder_(decoder),
-      resident_(std::move(resident)),
       imports_(config.scene_cache_bytes, [](const Scene& scene) { return std::int64_t(scene.byte_size()); }),
       compositions_(config.scene_cache_bytes,
                     [](const ComposedScene& scene) { return std::int64_t(scene.byte_size()); }),
@@ -125,7 +123,7 @@ std::shared_ptr<const ComposedScene> SceneStore::composed(const SceneSpec& spec,
   return compose(spec, deadline, hit);
 }
 
-void SceneStore::prepare_meshes(Preparation& out) {
+void SceneStore::prepare_meshes(const ResidentKeys& resident, Preparation& out) {
   const std::vector<Mesh>& meshes = out.composed->scene.meshes;
   out.scene.meshes.resize(meshes.size());
   constexpr double kPackCostUs = 1'000;
@@ -134,23 +132,23 @@ void SceneStore::prepare_meshes(Preparation& out) {
     prepared.key = meshes[i].key;
     // Shares the composition's life: the mesh is not copied.
     prepared.mesh = std::shared_ptr<const Mesh>(out.composed, &meshes[i]);
-    if (!resident_->contains(prepared.key))
+    if (!resident.contains(prepared.key))
       prepared.packed = std::make_shared<const PackedMesh>(pack_mesh(meshes[i]));
   });
 }
 
-void SceneStore::prepare_occluders(PreparedScene& out) {
+void SceneStore::prepare_occluders(const ResidentKeys& resident, PreparedScene& out) {
   constexpr double kSimplifyCostUs = 5'000;
   pool_.parallel_for(out.meshes.size(), kSimplifyCostUs, [&](std::size_t i) {
     PreparedMesh& mesh = out.meshes[i];
-    if (mesh.mesh->topology != Topology::kTriangles || resident_->contains(occluder_key_of(mesh.key))) return;
+    if (mesh.mesh->topology != Topology::kTriangles || resident.contains(occluder_key_of(mesh.key))) return;
     mesh.occluder =
         std::make_shared<const std::vector<std::uint32_t>>(occluder_indices(*mesh.mesh, kSurfaceOccluder));
   });
 }
 
-void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, const Deadline& deadline,
-                                  std::vector<Note>& notes, bool& hit) {
+void SceneStore::prepare_textures(const ResidentKeys& resident, PreparedScene& out, const Scene& scene,
+                                  const Deadline& deadline, std::vector<Note>& notes, bool& hit) {
   struct Wanted {
     const SceneImage* image;
     ColorSpace color_space;
@@ -177,7 +175,7 @@ void SceneStore::prepare_textures(PreparedScene& out, const Scene& scene, const 
                               .add(texture.image->encoded.hash())
                               .add(std::int64_t(texture.color_space))
                               .finish();
-    if (resident_->contains(out.textures[i].key)) {
+    if (resident.contains(out.textures[i].key)) {
       texture_notes[i] = texture_notes_.recall(out.textures[i].key, texture.image->pointer);
       return;
     }
@@ -198,8 +196,8 @@ EnvironmentAnswer SceneStore::environment_summary(const EnvironmentSpec& spec, c
   return {found->environment.summary, times.bake_hit};
 }
 
-void SceneStore::prepare_environment(const RenderSpec& spec, const Deadline& deadline, StageTimes& times,
-                                     Preparation& out) {
+void SceneStore::prepare_environment(const RenderSpec& spec, const ResidentKeys& resident,
+                                     const Deadline& deadline, StageTimes& times, Preparation& out) {
   const EnvironmentSpec& wanted = spec.environment;
   const auto baked = environments_.baked(wanted.map, wanted.sun, deadline, times);
   out.notes.insert(out.notes.end(), baked->notes.begin(), baked->notes.end());
@@ -244,12 +242,13 @@ void SceneStore::prepare_environment(const RenderSpec& spec, const Deadline& dea
                                 scene, wanted.rotation_rad);
     if (!scene.sky_lights.empty())
       scene.sky_sums = light_sums(scene.sky_lights, gpu::SKY_SUMS_PX, gpu::SKY_LOBES, pool_);
-    prepare_occluders(out.scene);
+    prepare_occluders(resident, out.scene);
   }
-  if (wanted.ground) prepare_ground(spec, times, out);
+  if (wanted.ground) prepare_ground(spec, resident, times, out);
 }
 
-void SceneStore::prepare_ground(const RenderSpec& spec, StageTimes& times, Preparation& out) {
+void SceneStore::prepare_ground(const RenderSpec& spec, const ResidentKeys& resident, StageTimes& times,
+                                Preparation& out) {
   const Stopwatch watch(times.bake_ms);
   const GroundSpec& wanted = *spec.environment.ground;
   PreparedGround ground;
@@ -272,7 +271,7 @@ void SceneStore::prepare_ground(const RenderSpec& spec, StageTimes& times, Prepa
                                 .add(std::int64_t(lights))
                                 .finish();
     ground.shadow_key = key;
-    if (!resident_->contains(key)) {
+    if (!resident.contains(key)) {
       ground.light = std::make_shared<const std::vector<LightDirection>>(
           light_on_ground(out.scene, rotation_rad, lights));
       for (const Light& light : out.scene.lights) {
@@ -291,7 +290,8 @@ void SceneStore::prepare_ground(const RenderSpec& spec, StageTimes& times, Prepa
   out.scene.ground = std::move(ground);
 }
 
-Preparation SceneStore::prepare(const RenderSpec& spec, const Deadline& deadline, StageTimes& times) {
+Preparation SceneStore::prepare(const RenderSpec& spec, const ResidentKeys& resident,
+                                const Deadline& deadline, StageTimes& times) {
   Preparation out;
   {
     const Stopwatch watch(times.decode_ms);
@@ -301,12 +301,12 @@ Preparation SceneStore::prepare(const RenderSpec& spec, const Deadline& deadline
     out.scene.materials = scene.materials;
     out.scene.instances = scene.instances;
     out.scene.bounds = out.composed->bounds;
-    prepare_meshes(out);
+    prepare_meshes(resident, out);
     check_deadline(deadline, "decode");
-    prepare_textures(out.scene, scene, deadline, out.notes, times.decode_hit);
+    prepare_textures(resident, out.scene, scene, deadline, out.notes, times.decode_hit);
   }
   check_deadline(deadline, "bake");
-  prepare_environment(spec, deadline, times, out);
+  prepare_environment(spec, resident, deadline, times, out);
   return out;
 }
 

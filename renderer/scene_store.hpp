@@ -23,12 +23,12 @@ struct Preparation {
 class SceneStore {
  public:
   // `pool` and `decoder` outlive it.
-  SceneStore(const RendererConfig& config, WorkerPool& pool, Decoder& decoder,
-             std::shared_ptr<ResidentKeys> resident);
+  SceneStore(const RendererConfig& config, WorkerPool& pool, Decoder& decoder);
 
-  // Decodes what is neither cached nor on the GPU. Adds to decode_ms and bake_ms of `times`.
+  // Decodes what is neither cached nor `resident` on the GPU. Adds to decode_ms and bake_ms of `times`.
   // Errors: those of import, composition, decoding and baking, with pointers into the request or the model.
-  Preparation prepare(const RenderSpec& spec, const Deadline& deadline, StageTimes& times);
+  Preparation prepare(const RenderSpec& spec, const ResidentKeys& resident, const Deadline& deadline,
+                      StageTimes& times);
 
   // Imports and composes what is not cached, decodes nothing. Errors: those of import and composition.
   std::shared_ptr<const ComposedScene> composed(const SceneSpec& spec, const Deadline& deadline);
@@ -38,18 +38,18 @@ class SceneStore {
 
  private:
   std::shared_ptr<const ComposedScene> compose(const SceneSpec& spec, const Deadline& deadline, bool& hit);
-  void prepare_meshes(Preparation& out);
-  void prepare_occluders(PreparedScene& out);
-  void prepare_textures(PreparedScene& out, const Scene& scene, const Deadline& deadline,
-                        std::vector<Note>& notes, bool& hit);
-  void prepare_environment(const RenderSpec& spec, const Deadline& deadline, StageTimes& times,
-                           Preparation& out);
-  void prepare_ground(const RenderSpec& spec, StageTimes& times, Preparation& out);
+  void prepare_meshes(const ResidentKeys& resident, Preparation& out);
+  void prepare_occluders(const ResidentKeys& resident, PreparedScene& out);
+  void prepare_textures(const ResidentKeys& resident, PreparedScene& out, const Scene& scene,
+                        const Deadline& deadline, std::vector<Note>& notes, bool& hit);
+  void prepare_environment(const RenderSpec& spec, const ResidentKeys& resident, const Deadline& deadline,
+                           StageTimes& times, Preparation& out);
+  void prepare_ground(const RenderSpec& spec, const ResidentKeys& resident, StageTimes& times,
+                      Preparation& out);
 
   const RendererConfig config_;
   WorkerPool& pool_;
   Decoder& decoder_;
-  std::shared_ptr<ResidentKeys> resident_;
   BudgetCache<Scene> imports_;
   BudgetCache<ComposedScene> compositions_;
   EnvironmentStore environments_;

@@ -9,6 +9,7 @@ using Scopes = unsigned;
 namespace scope {
 inline constexpr Scopes kOpen = 0;  // needs no key
 inline constexpr Scopes kRender = 1, kAssets = 2, kAdmin = 4;
+inline constexpr Scopes kAll = kRender | kAssets | kAdmin;
 // A signed URL where the operator has set secrets for them; else a key that may render.
 inline constexpr Scopes kImageUrl = 8;
 }  // namespace scope

@@ -36,6 +36,7 @@ class Admission {
   // goes, while waiting.
   Seat enter(const Deadline& deadline);
 
+  int seats() const { return seats_; }
   int seats_in_use() const;
   int waiting() const;
 

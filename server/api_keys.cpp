@@ -10,6 +10,7 @@
 #include "api/problem.hpp"
 #include "server/hash_text.hpp"
 #include "server/key_lines.hpp"
+#include "server/settings.hpp"
 
 namespace furnace {
 namespace {
@@ -33,8 +34,9 @@ std::optional<int> count_of(std::string_view text) {
 
 // What is wrong with a line, or "".
 std::string_view read_key(const std::vector<std::string_view>& fields, ApiKey& key) {
-  if (fields.size() < 3 || fields.size() > 5)
-    return "is not of the form NAME:SCOPES:HEX-SHA256-OF-KEY[:RATE-PER-MINUTE[:RENDERS-PER-DAY]]";
+  if (fields.size() < 3 || fields.size() > 6)
+    return "is not of the form "
+           "NAME:SCOPES:HEX-SHA256-OF-KEY[:RATE-PER-MINUTE[:RENDERS-PER-DAY[:ASSET-BYTES]]]";
   if (!is_key_name(fields[0])) return kKeyNameForm;
   key.name = fields[0];
   key.scopes = scopes_of(fields[1]);
@@ -47,6 +49,9 @@ std::string_view read_key(const std::vector<std::string_view>& fields, ApiKey& k
   if (!rate || !renders) return "its rate or its renders are not a whole number";
   key.rate_per_minute = *rate;
   key.renders_per_day = *renders;
+  const auto bytes = parse_size(fields.size() > 5 ? fields[5] : "0");
+  if (!bytes || *bytes < 0) return "its asset bytes are not a size such as 500MiB";
+  key.asset_bytes = *bytes;
   return {};
 }
 

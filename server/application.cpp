@@ -32,15 +32,18 @@ int cpu_threads(const Config& config) {
   return config.cpu_threads > 0 ? config.cpu_threads : cores();
 }
 
-// One seat per core keeps the CPU stages busy, one more the GL thread.
-int seats(const Config& config) {
-  return config.seats > 0 ? config.seats : cores() + 1;
+// One seat per core keeps the CPU stages busy, one more each GL thread.
+int seats(const Config& config, const Renderer& renderer) {
+  return config.seats > 0 ? config.seats : cores() + int(renderer.context_stats().callers.size());
 }
 
 RendererConfig renderer_config(const Config& config) {
   RendererConfig out;
   out.gl.device = config.device;
   out.gl.determinism = config.determinism == "exact" ? gl::Determinism::kExact : gl::Determinism::kFast;
+  out.contexts = config.contexts;
+  out.context_life = {config.context_renders, milliseconds(config.context_age_ms),
+                      config.context_process_bytes};
   out.build_id = std::string(build_id());
   out.shader_dir = config.shader_dir;
   out.scene_cache_bytes = config.scene_cache_bytes;
@@ -96,6 +99,7 @@ AssetStoreConfig asset_store_config(const Config& config) {
   out.budget_bytes = config.asset_store_bytes;
   out.ttl = milliseconds(config.asset_ttl_ms);
   out.now = [] { return std::chrono::file_clock::from_sys(even_now()); };
+  out.partial_ttl = milliseconds(config.partial_ttl_ms);
   out.memory_bytes = config.file_cache_bytes;
   return out;
 }
@@ -141,7 +145,7 @@ Engine::Engine(const Config& config, std::vector<std::filesystem::path> file_roo
     : pool_(cpu_threads(config)),
       decoders(config),
       renderer(renderer_config(config), pool_, decoders.decoder()),
-      admission(seats(config), config.queue),
+      admission(seats(config, renderer), config.queue),
       files(std::move(file_roots), config.file_cache_bytes, config.max_file_bytes),
       environments([this](const EnvironmentSpec& spec,
                           const Deadline& deadline) { return renderer.environment(spec, deadline); },
@@ -172,7 +176,8 @@ Application::Application(const Config& config)
              &job_doors_,
              presets(config_),
              {config_.image_max_age_ms / 1000, config_.presets_only == "on"},
-             &assets_},
+             &assets_,
+             [this] { return engine_.renderer.context_stats(); }},
       job_runner_(jobs_,
                   [this](const JobRequest& request, const Deadline& deadline,
                          const RenderService::Progress& progress) {
@@ -189,9 +194,10 @@ Application::Application(const Config& config)
               : std::make_unique<HttpServer>(http_config(config_, config_.admin_listen, kAdminThreads),
                                              admin_dispatcher_, metrics_)),
       // A waiting request holds its thread, and so does a stream of events.
-      server_(http_config(config_, config_.listen,
-                          seats(config_) + config_.queue + config_.event_streams + kRefusingThreads),
-              public_dispatcher_, metrics_, tls_.get()) {}
+      server_(
+          http_config(config_, config_.listen,
+                      engine_.admission.seats() + config_.queue + config_.event_streams + kRefusingThreads),
+          public_dispatcher_, metrics_, tls_.get()) {}
 
 void Application::start() {
   if (admin_server_) admin_server_->start();

@@ -48,19 +48,21 @@ std::int64_t to_ms(fs::file_time_type time) {
   return std::chrono::duration_cast<std::chrono::milliseconds>(since).count();
 }
 
-// "CREATED_MS\tMEDIA_TYPE\tNAME\n"
+// "CREATED_MS\tMEDIA_TYPE\tNAME\tOWNER\n"
 std::string about_text(const AssetEntry& entry) {
-  return fmt::format("{}\t{}\t{}\n", entry.created_ms, entry.about.media_type, entry.about.name);
+  return fmt::format("{}\t{}\t{}\t{}\n", entry.created_ms, entry.about.media_type, entry.about.name,
+                     entry.owner);
 }
 
 void read_about(std::string_view text, AssetEntry& entry) {
-  std::array<std::string_view, 3> fields;
+  std::array<std::string_view, 4> fields;
   for (std::string_view& field : fields) {
     field = text.substr(0, text.find_first_of("\t\n"));
     text.remove_prefix(std::min(field.size() + 1, text.size()));
   }
   std::from_chars(fields[0].data(), fields[0].data() + fields[0].size(), entry.created_ms);
   entry.about = {plain(fields[1]), plain(fields[2])};
+  entry.owner = plain(fields[3]);
 }
 
 // Whether the bytes of an open file have this hash; leaves it where it was.
@@ -87,11 +89,14 @@ struct AssetStore::Listed {
 
 AssetStore::AssetStore(AssetStoreConfig config)
     : config_(std::move(config)),
+      partial_({config_.folder / "partial", config_.budget_bytes, 1000, config_.partial_ttl, config_.now}),
       in_memory_(config_.memory_bytes, [](const Blob& blob) { return std::int64_t(blob.size()); }) {
   if (config_.folder.empty()) return;
   UploadFile::remove_abandoned(config_.folder / "uploads");
+  partial_.remove_stale();
   remove_widowed_abouts();
   const std::lock_guard changing(change_mutex_);
+  swept_ = config_.now();
   trim(0);
 }
 
@@ -102,6 +107,8 @@ AssetStore::Upload::~Upload() {
 void AssetStore::Upload::take(std::string_view bytes) {
   const AssetStoreConfig& config = store_.config_;
   const auto size = std::int64_t(bytes.size());
+  if (range_ && size > range_->end - range_->first - bytes_)
+    fail(ErrorCode::kInvalidRequest, "The body is longer than its Content-Range says.");
   if (size > config.largest_bytes - bytes_)
     fail(ErrorCode::kTooLarge, fmt::format("An asset may have {} bytes.", config.largest_bytes));
   bytes_ += size;
@@ -109,7 +116,7 @@ void AssetStore::Upload::take(std::string_view bytes) {
     fail(ErrorCode::kOverloaded, "Too many uploads at once; try again in a moment.");
   if (!file_.is_open()) file_ = UploadFile(config.folder / "uploads");
   file_.append(bytes);
-  hasher_.add(std::as_bytes(std::span(bytes)));
+  if (!range_) hasher_.add(std::as_bytes(std::span(bytes)));
 }
 
 void AssetStore::need_folder() const {
@@ -125,14 +132,62 @@ std::shared_ptr<AssetStore::Upload> AssetStore::begin() {
 }
 
 AssetStore::Kept AssetStore::keep(Upload& upload, const std::optional<ContentHash>& wanted,
-                                  const AssetAbout& about) {
+                                  const AssetAbout& about, const AssetOwner& owner) {
   if (upload.bytes_ == 0) fail(ErrorCode::kInvalidRequest, "Send the file as the body.");
-  AssetEntry entry{upload.hasher_.finish(), upload.bytes_, {plain(about.media_type), plain(about.name)}, 0};
+  AssetEntry entry{
+      upload.hasher_.finish(), upload.bytes_, {plain(about.media_type), plain(about.name)}, 0, owner.name};
   if (wanted && *wanted != entry.hash) {
     fail(ErrorCode::kUnprocessable,
          fmt::format("The body's SHA-256 is {}, the address says {}; nothing was kept.", entry.hash.hex(),
                      wanted->hex()));
   }
+  return admit(upload.file_, std::move(entry), owner.quota_bytes);
+}
+
+std::shared_ptr<AssetStore::Upload> AssetStore::resume(const PartialUploads::Id& id,
+                                                       const ContentRange& range) {
+  need_folder();
+  if (range.total > config_.largest_bytes)
+    fail(ErrorCode::kTooLarge, fmt::format("An asset may have {} bytes.", config_.largest_bytes));
+  if (range.first != received(id)) return nullptr;
+  UploadFile file = partial_.open(id, range.end - range.first);
+  if (!file.is_open() || file.size() != range.first) return nullptr;
+  return std::make_shared<Upload>(*this, std::move(file), range);
+}
+
+std::optional<AssetStore::Kept> AssetStore::keep_when_whole(Upload& upload, const ContentHash& wanted,
+                                                            const AssetAbout& about,
+                                                            const AssetOwner& owner) {
+  const std::int64_t bytes = upload.file_.size();
+  if (bytes < upload.range_->total) return std::nullopt;
+  if (!has_hash(upload.file_.descriptor(), wanted)) {
+    upload.file_.remove();
+    fail(ErrorCode::kUnprocessable,
+         "All that came is not the asset of this SHA-256; nothing was kept, begin again.");
+  }
+  Kept kept =
+      admit(upload.file_, {wanted, bytes, {plain(about.media_type), plain(about.name)}, 0, owner.name},
+            owner.quota_bytes);
+  if (!kept.is_new) upload.file_.remove();
+  return kept;
+}
+
+// Of everything that belongs to it, as far as this process knows; belongs to change_mutex_.
+std::int64_t& AssetStore::owned_by(const std::string& owner) {
+  if (!owned_) {
+    owned_.emplace();
+    for (const Listed& file : list()) (*owned_)[entry_of(file.hash, file.bytes).owner] += charge(file.bytes);
+  }
+  return (*owned_)[owner];
+}
+
+// Of what was removed, while it is still said of; belongs to change_mutex_.
+void AssetStore::forget(const ContentHash& hash, std::int64_t bytes) {
+  if (owned_) owned_by(entry_of(hash, bytes).owner) -= charge(bytes);
+}
+
+// Takes the file over, unless the asset is there already.
+AssetStore::Kept AssetStore::admit(UploadFile& file, AssetEntry entry, std::int64_t quota_bytes) {
   sweep();
   const std::lock_guard changing(change_mutex_);
   // A file of another size is damaged, and is replaced.
@@ -144,19 +199,25 @@ AssetStore::Kept AssetStore::keep(Upload& upload, const std::optional<ContentHas
     fail(ErrorCode::kTooLarge,
          fmt::format("All assets together may have {} bytes, fewer than this one.", config_.budget_bytes));
   }
+  if (quota_bytes > 0 && owned_by(entry.owner) + charge(entry.bytes) > quota_bytes) {
+    fail(ErrorCode::kTooLarge,
+         fmt::format("This key's assets may have {} bytes together and have {}; delete some first.",
+                     quota_bytes, owned_by(entry.owner)));
+  }
   if (bytes_ + charge(entry.bytes) > config_.budget_bytes && !trim(charge(entry.bytes)))
     fail(ErrorCode::kOverloaded, "There is no room: all assets are in use just now; try again in a moment.");
   entry.created_ms = to_ms(config_.now());
-  publish(upload, entry);
+  publish(file, entry);
   return {entry, true};
 }
 
 // First what is said of it: an asset that is there has always been said of.
-void AssetStore::publish(Upload& upload, const AssetEntry& entry) {
+void AssetStore::publish(UploadFile& file, const AssetEntry& entry) {
   UploadFile about(config_.folder / "uploads");
   about.append(about_text(entry));
   about.publish(about_of(entry.hash));
-  upload.file_.publish(path_of(entry.hash));
+  file.publish(path_of(entry.hash));
+  if (owned_) owned_by(entry.owner) += charge(entry.bytes);
   touch(entry.hash);
   ++uploads_;
   ++assets_;
@@ -189,7 +250,7 @@ std::optional<std::int64_t> AssetStore::touch(const ContentHash& hash) {
 }
 
 AssetEntry AssetStore::entry_of(const ContentHash& hash, std::int64_t bytes) const {
-  AssetEntry entry{hash, bytes, {}, 0};
+  AssetEntry entry{hash, bytes, {}, 0, {}};
   try {
     read_about(read_file(about_of(hash), 1024), entry);
   } catch (const Error&) {  // it is the lesser part
@@ -255,6 +316,7 @@ bool AssetStore::erase(const ContentHash& hash) {
   std::error_code wrong;
   if (!fs::remove(path_of(hash), wrong) || wrong)
     fail(ErrorCode::kStorage, "The server's disk does not let the asset go.", {}, wrong.message());
+  forget(hash, *bytes);
   fs::remove(about_of(hash), wrong);
   --assets_;
   bytes_ -= charge(*bytes);
@@ -263,6 +325,7 @@ bool AssetStore::erase(const ContentHash& hash) {
 
 void AssetStore::set_aside(const ContentHash& hash) {
   const std::lock_guard changing(change_mutex_);
+  owned_.reset();
   const fs::path damaged = config_.folder / "damaged";
   log::warning("assets.damaged", {{"asset", hash.hex()}});
   std::error_code wrong;
@@ -309,7 +372,6 @@ void AssetStore::remove_widowed_abouts() {
 // Counts anew, since other processes may share the folder, and removes what has expired, then what was not used for longest,
 // until there is room for `room_bytes` more. False when there is not.
 bool AssetStore::trim(std::int64_t room_bytes) {
-  trimmed_ = config_.now();
   std::vector<Listed> files = list();
   std::ranges::sort(files, {}, [](const Listed& file) { return std::tuple(file.used, file.hash); });
   std::int64_t sum = 0, count = std::int64_t(files.size());
@@ -319,6 +381,7 @@ bool AssetStore::trim(std::int64_t room_bytes) {
     if (!has_expired(file.used) && !is_over) break;
     std::error_code wrong;
     if (is_used(file.hash) || !fs::remove(path_of(file.hash), wrong)) continue;
+    forget(file.hash, file.bytes);
     fs::remove(about_of(file.hash), wrong);
     sum -= charge(file.bytes);
     --count;
@@ -331,7 +394,10 @@ bool AssetStore::trim(std::int64_t room_bytes) {
 // Now and then, by whoever comes while nobody else changes anything.
 void AssetStore::sweep() {
   const std::unique_lock changing(change_mutex_, std::try_to_lock);
-  if (changing && config_.ttl.count() > 0 && config_.now() - trimmed_ >= kSweepPeriod) trim(0);
+  if (!changing || config_.now() - swept_ < kSweepPeriod) return;
+  swept_ = config_.now();
+  partial_.remove_stale();
+  if (config_.ttl.count() > 0) trim(0);
 }
 
 std::string asset_id(const ContentHash& hash) {

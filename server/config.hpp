@@ -15,14 +15,18 @@ namespace furnace {
 struct Config {
   std::string listen = "127.0.0.1:8080";
   std::string admin_listen;     // empty: health and metrics are on the main listener only
-  std::string device = "auto";  // as gl::ContextConfig::device
+  std::string device = "auto";  // as RendererConfig::gl
+  int contexts = 0;             // 0: one on each device
+  std::int64_t context_renders = 100'000;
+  std::int64_t context_age_ms = 24ll * 3600 * 1000;
+  std::int64_t context_process_bytes = 0;
   std::string determinism = "fast";
   std::string shader_dir;
   std::vector<std::string> assets;  // roots of "file:" references
   std::string data;                 // folder for what outlives the process; empty: nothing does
   std::string log_level = "info";
 
-  int seats = 0;  // 0: one per core and one for the GL thread
+  int seats = 0;  // 0: one per core and one for each context
   int queue = 16;
   int cpu_threads = 0;               // 0: one per core
   std::int64_t timeout_ms = 30'000;  // of one request, waiting included
@@ -88,6 +92,7 @@ struct Config {
   std::int64_t max_asset_bytes = 256ll << 20;
   std::int64_t asset_store_bytes = 4096ll << 20;
   std::int64_t asset_ttl_ms = 0;  // 0: for ever
+  std::int64_t partial_ttl_ms = 24ll * 3600 * 1000;
 };
 
 using NamedValues =

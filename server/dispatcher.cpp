@@ -74,16 +74,6 @@ std::string_view phrase(int status) {
   }
 }
 
-// RFC 9457 section 4.2.1: "about:blank" says no more than the status does.
-std::string blank_problem(const Refusal& refusal, const Request& request) {
-  const std::string trace =
-      request.trace.trace_id.empty() ? "" : fmt::format(R"(,"traceId":"{}")", request.trace.trace_id);
-  return fmt::format(R"({{"type":"about:blank","title":"{}","status":{},"detail":{},"instance":{}{}}})",
-                     phrase(refusal.status), refusal.status,
-                     api::quoted(refusal.detail, refusal.detail.size()),
-                     api::quoted(request.id, request.id.size()), trace);
-}
-
 log::Origin origin_of(const Request& request) {
   return {request.id, request.trace.trace_id, request.trace.span_id};
 }
@@ -119,7 +109,7 @@ Error internal_error(std::string detail) {
 Dispatcher::Dispatcher(std::vector<Route> routes, Metrics& metrics, Gate* gate)
     : routes_(std::move(routes)), metrics_(metrics), gate_(gate) {}
 
-Reply Dispatcher::handle(const Request& request) const {
+Reply Dispatcher::handle(Request request) const {
   const log::RequestScope scope(origin_of(request));
   const auto start = Clock::now();
   metrics_.requests_in_flight.Increment();
@@ -129,17 +119,17 @@ Reply Dispatcher::handle(const Request& request) const {
   Reply reply = answer(request, route, entry);
   if (gate_ != nullptr) gate_->leave(entry, reply.status);
   for (const auto& [name, value] : entry.headers) reply.with(name, value);
-  if (!entry.client.empty()) keep_from_shared_caches(reply);
+  if (!entry.client.name.empty()) keep_from_shared_caches(reply);
   add_common_headers(reply, request);
 
   const double seconds = seconds_since(start);
   metrics_.requests_in_flight.Decrement();
   metrics_.observe_request(route, reply.status, seconds);
-  if (!entry.client.empty()) metrics_.observe_client(entry.client, reply.status);
+  if (!entry.client.name.empty()) metrics_.observe_client(entry.client.name, reply.status);
   log::info("request.done",
             {{"method", request.method},
              {"path", request.path},
-             {"client", entry.client},
+             {"client", entry.client.name},
              {"parent_span_id", request.trace.parent_id},
              {"status", reply.status},
              {"ms", seconds * 1e3},
@@ -149,7 +139,7 @@ Reply Dispatcher::handle(const Request& request) const {
 }
 
 // The one catch of the HTTP door.
-Reply Dispatcher::answer(const Request& request, std::string_view& route, Entry& entry) const {
+Reply Dispatcher::answer(Request& request, std::string_view& route, Entry& entry) const {
   try {
     if (request.method == "OPTIONS") {
       const std::string allowed = allowed_methods(request.path);
@@ -163,6 +153,7 @@ Reply Dispatcher::answer(const Request& request, std::string_view& route, Entry&
     route = found.path;
     if (gate_ != nullptr) entry = gate_->enter({found.scopes, found.draws}, request);
     if (entry.refused != 0) return refused(request, {entry.refused, entry.detail});
+    request.client = entry.client;
     return found.handler(request);
   } catch (const Error& error) {
     return problem(request, error);
@@ -171,11 +162,15 @@ Reply Dispatcher::answer(const Request& request, std::string_view& route, Entry&
   }
 }
 
-Incoming Dispatcher::receive(const Request& head) const {
+Incoming Dispatcher::receive(Request& head) const {
   const Route* route = route_of(head);
   if (route == nullptr || !route->receive) return {};
   const Incoming unwanted{nullptr, kAnyLength, true};
-  if (gate_ != nullptr && !gate_->admits({route->scopes, route->draws}, head)) return unwanted;
+  if (gate_ != nullptr) {
+    const Entry entry = gate_->look({route->scopes, route->draws}, head);
+    if (entry.refused != 0) return unwanted;
+    head.client = entry.client;
+  }
   try {
     return route->receive(head);
   } catch (const Error&) {
@@ -236,7 +231,11 @@ void Dispatcher::add_common_headers(Reply& reply, const Request& request) const 
 
 Reply Dispatcher::refused(const Request& request, const Refusal& refusal) const {
   log::info("request.refused", {{"status", refusal.status}, {"detail", refusal.detail}});
-  return {refusal.status, std::string(api::kProblemMediaType), blank_problem(refusal, request), {}};
+  return {refusal.status,
+          std::string(api::kProblemMediaType),
+          api::blank_problem_json(refusal.status, phrase(refusal.status), refusal.detail, request.id,
+                                  request.trace.trace_id),
+          {}};
 }
 
 Reply Dispatcher::refuse(const Request& request, const Refusal& refusal) const {

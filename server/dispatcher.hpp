@@ -42,12 +42,12 @@ class Dispatcher {
   // Without a gate whoever comes may use every route.
   Dispatcher(std::vector<Route> routes, Metrics& metrics, Gate* gate = nullptr);
 
-  // What to do with the body of a request of which the head has come. Never throws: what a route refuses here, its handler
+  // What to do with the body of a request of which the head has come; finds its client. Never throws: what a route refuses here, its handler
   // refuses again, without the body.
-  Incoming receive(const Request& head) const;
+  Incoming receive(Request& head) const;
 
-  // Never throws: whatever a handler throws becomes a problem document.
-  Reply handle(const Request& request) const;
+  // Finds the request's client first. Never throws: whatever a handler throws becomes a problem document.
+  Reply handle(Request request) const;
 
   // What is wrong with a request before a route could see it: broken syntax (400), too long (413, 414, 431),
   // too slow (408), ...
@@ -60,7 +60,7 @@ class Dispatcher {
   const Route* route_of(const Request& request) const;
   const Route& find(const Request& request) const;
   std::string allowed_methods(std::string_view path) const;
-  Reply answer(const Request& request, std::string_view& route, Entry& entry) const;
+  Reply answer(Request& request, std::string_view& route, Entry& entry) const;
   Reply refused(const Request& request, const Refusal& refusal) const;
   void add_common_headers(Reply& reply, const Request& request) const;
   Reply problem(const Request& request, const Error& error) const;

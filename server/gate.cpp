@@ -173,7 +173,7 @@ Entry Gate::check(const Wish& wish, const Request& request, bool charges) {
                                                        : "Bearer realm=\"furnace\"");
     return entry;
   }
-  entry.client = key->second.name;
+  entry.client = {key->second.name, key->second.scopes, key->second.asset_bytes};
   const Scopes wanted = is_image ? scope::kRender : wish.scopes;
   if ((key->second.scopes & wanted) == 0) {
     refuse(entry, 403, "This key's scopes do not include this.");
@@ -187,7 +187,7 @@ Entry Gate::check(const Wish& wish, const Request& request, bool charges) {
 void Gate::leave(const Entry& entry, int status) {
   if (!entry.counted || (status >= 200 && status < 300)) return;
   const std::lock_guard lock(state_->mutex);
-  const auto account = state_->accounts.find(entry.client);
+  const auto account = state_->accounts.find(entry.client.name);
   if (account != state_->accounts.end()) account->second.quota.give_back();
 }
 

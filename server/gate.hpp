@@ -38,9 +38,9 @@ struct Wish {
 };
 
 struct Entry {
-  int refused = 0;                                           // the status, or 0
-  std::string detail;                                        // why, for the client
-  std::string client;                                        // the key's name; empty without a key
+  int refused = 0;     // the status, or 0
+  std::string detail;  // why, for the client
+  Client client = {};
   bool counted = false;                                      // as a render of the day
   std::vector<std::pair<std::string, std::string>> headers;  // of the reply, refused or not
 };
@@ -56,8 +56,8 @@ class Gate {
   void reload();
 
   Entry enter(const Wish& wish, const Request& request);
-  // Whether enter would not refuse for who asks; nothing is counted: the body is yet to come.
-  bool admits(const Wish& wish, const Request& head) { return check(wish, head, false).refused == 0; }
+  // As enter, but nothing is counted: the body is yet to come.
+  Entry look(const Wish& wish, const Request& head) { return check(wish, head, false); }
   // What was not drawn anew is not a render of the day.
   void leave(const Entry& entry, int status);
 

@@ -330,7 +330,8 @@ bool HttpServer::State::serve_request(SocketIo& io, bool last) {
       process_request(stream, last, closed_by_header,
                       [this, &exchange](httplib::Request& head) { receive_head(head, exchange); });
   if (!exchange.replied) refuse_without_head(exchange);
-  if (exchange.replied && (exchange.close || !exchange.head_complete)) io.linger(pool_->under_pressure() ? kHurriedLinger : kLinger);
+  if (exchange.replied && (exchange.close || !exchange.head_complete))
+    io.linger(pool_->under_pressure() ? kHurriedLinger : kLinger);
   return written && exchange.head_complete && !exchange.close && !closed_by_header && !last;
 }
 
@@ -392,7 +393,7 @@ bool HttpServer::State::receive_body(const httplib::ContentReader& reader, Excha
 void HttpServer::State::answer(Exchange& exchange, httplib::Response& out) {
   const InFlight::Entry entry(in_flight_, exchange.io, exchange.takes_interim);
   exchange.request.deadline = Deadline(config_.timeout, entry.token());
-  fill(out, dispatcher_.handle(exchange.request));
+  fill(out, dispatcher_.handle(std::move(exchange.request)));
   exchange.drop_body();
   exchange.replied = true;
 }

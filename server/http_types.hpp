@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "renderer/base/deadline.hpp"
+#include "server/access.hpp"
 #include "server/file_body.hpp"
 #include "server/trace_context.hpp"
 
@@ -37,6 +38,13 @@ class BodySink {
   virtual void take(std::string_view bytes) = 0;
 };
 
+// Who asks, as the gate found: nobody in particular where no keys are asked for.
+struct Client {
+  std::string name;
+  Scopes scopes = scope::kAll;
+  std::int64_t asset_bytes = 0;  // what its assets may have together; 0: any
+};
+
 // Threads: one. Owns: its bytes.
 struct Request {
   std::string method;                                      // "GET", ...
@@ -48,6 +56,7 @@ struct Request {
   std::string id;                  // request id: goes into the log, the reply and problem documents
   TraceContext trace;              // likewise
   Deadline deadline;
+  Client client = {};
 
   std::string_view header(std::string_view name) const {
     const auto found = headers.find(name);

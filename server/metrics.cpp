@@ -105,6 +105,14 @@ Metrics::Metrics(std::string_view build)
                          .Help("Child processes started")
                          .Register(registry_)
                          .Add({})),
+      context_callers(BuildGauge()
+                          .Name("furnace_context_callers")
+                          .Help("Renders that draw on a GL context, or will")
+                          .Register(registry_)),
+      context_renewals(BuildCounter()
+                           .Name("furnace_context_renewals_total")
+                           .Help("GL contexts made anew, by reason")
+                           .Register(registry_)),
       assets(BuildGauge().Name("furnace_assets").Help("Uploaded files kept").Register(registry_).Add({})),
       asset_bytes(BuildGauge()
                       .Name("furnace_asset_bytes")
@@ -166,6 +174,16 @@ void Metrics::observe_decoders(const decode::PoolStats& stats) {
   catch_up(decoder_crashes, stats.crashes);
   catch_up(decoder_timeouts, stats.timeouts);
   catch_up(decoder_starts, stats.starts);
+}
+
+void Metrics::observe_contexts(const ContextPoolStats& stats) {
+  const std::lock_guard lock(counting_);
+  for (std::size_t i = 0; i < stats.callers.size(); ++i)
+    context_callers.Add({{"context", std::to_string(i)}}).Set(stats.callers[i]);
+  for (std::size_t i = 0; i < kRenewalReasons; ++i) {
+    const std::string reason(name_of(RenewalReason(i)));
+    catch_up(context_renewals.Add({{"reason", reason}}), stats.renewals[i]);
+  }
 }
 
 std::string Metrics::text() const {

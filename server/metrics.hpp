@@ -50,6 +50,9 @@ class Metrics {
   prometheus::Counter& decoder_timeouts;
   prometheus::Counter& decoder_starts;
 
+  prometheus::Family<prometheus::Gauge>& context_callers;     // context
+  prometheus::Family<prometheus::Counter>& context_renewals;  // reason
+
   prometheus::Gauge& assets;
   prometheus::Gauge& asset_bytes;
   prometheus::Counter& asset_uploads;
@@ -58,6 +61,7 @@ class Metrics {
   void observe_client(const std::string& client, int status);  // a key's name: as many as there are keys
   void observe_stages(const StageTimes& times);
   void observe_decoders(const decode::PoolStats& stats);
+  void observe_contexts(const ContextPoolStats& stats);
   void observe_assets(const AssetStore::Stats& stats);
 
   std::string text() const;  // Prometheus text format

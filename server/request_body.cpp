@@ -21,17 +21,17 @@ constexpr std::string_view kRequestPart = "request";
 std::map<std::string, Blob> named_files(const std::vector<Part>& parts) {
   std::map<std::string, Blob> files;
   std::map<std::string, int> uses;
-  for (const Part& part : parts) ++uses[part.name];
+  for (const Part& part : parts) ++uses[part.head.name];
   std::set<std::string> file_names;
   for (const Part& part : parts) {
-    if (part.name == kRequestPart) continue;
+    if (part.head.name == kRequestPart) continue;
     const Blob blob{std::string(part.body)};
-    if (!part.file_name.empty() && !file_names.insert(part.file_name).second) {
+    if (!part.head.file_name.empty() && !file_names.insert(part.head.file_name).second) {
       fail(ErrorCode::kInvalidRequest,
-           fmt::format("Two parts have the file name {}.", api::quoted(part.file_name)));
+           fmt::format("Two parts have the file name {}.", api::quoted(part.head.file_name)));
     }
-    if (uses[part.name] == 1) files[part.name] = blob;
-    if (!part.file_name.empty()) files.emplace(part.file_name, blob);
+    if (uses[part.head.name] == 1) files[part.head.name] = blob;
+    if (!part.head.file_name.empty()) files.emplace(part.head.file_name, blob);
   }
   return files;
 }
@@ -39,9 +39,10 @@ std::map<std::string, Blob> named_files(const std::vector<Part>& parts) {
 RequestBody read_multipart(const Request& request, int max_parts) {
   RequestBody body;
   const std::vector<Part> parts = parse_multipart(request.body, request.header("Content-Type"), max_parts);
-  const auto documents = std::ranges::count(parts, kRequestPart, &Part::name);
+  const auto is_document = [](const Part& part) { return part.head.name == kRequestPart; };
+  const auto documents = std::ranges::count_if(parts, is_document);
   if (documents > 1) fail(ErrorCode::kInvalidRequest, "There is more than one part named request.");
-  if (documents == 1) body.document = std::ranges::find(parts, kRequestPart, &Part::name)->body;
+  if (documents == 1) body.document = std::ranges::find_if(parts, is_document)->body;
   body.parts = named_files(parts);
   return body;
 }

@@ -198,6 +198,7 @@ Reply get_metrics(const Doors& doors) {
   if (doors.jobs != nullptr) doors.metrics.jobs_waiting.Set(doors.jobs->waiting());
   if (doors.assets != nullptr) doors.metrics.observe_assets(doors.assets->stats());
   if (doors.decoders != nullptr) doors.metrics.observe_decoders(doors.decoders->stats());
+  if (doors.contexts) doors.metrics.observe_contexts(doors.contexts());
   return Reply{200, "text/plain; version=0.0.4; charset=utf-8", doors.metrics.text(), {}}.with(
       "Cache-Control", "no-store");
 }

@@ -62,6 +62,7 @@ struct Doors {
   std::shared_ptr<const Presets> presets = std::make_shared<const Presets>();
   ImageUrlConfig image_urls = {};
   AssetStore* assets = nullptr;  // null: nothing can be uploaded, nor referred to
+  std::function<ContextPoolStats()> contexts = {};
 };
 
 // Errors: those of parse_render_request; kNotAcceptable.

@@ -35,7 +35,15 @@ constexpr std::array kSettings = {
          "second address with health and metrics only, answered whatever the load; metrics then leave the "
          "main one"),
     text("device", &Config::device, Unit::kText,
-         "auto, software, an EGL device index or a PCI address; see furnace doctor"),
+         "auto, software, EGL device indices or PCI addresses (several: \"0,1\"); see furnace doctor"),
+    number("contexts", &Config::contexts, Unit::kCount, 0, 64,
+           "GL contexts, a thread each, over the devices in turn; 0: one on each"),
+    number("context-renders", &Config::context_renders, Unit::kCount, 0, 1'000'000'000,
+           "pictures after which a context is made anew; 0: never"),
+    number("context-age", &Config::context_age_ms, Unit::kDuration, 0, 365ll * 24 * 3600 * kSecond,
+           "time after which a context is made anew; 0: never"),
+    number("context-memory", &Config::context_process_bytes, Unit::kBytes, 0, 1024 * kGiB,
+           "memory of the process beyond which a context is made anew, once a minute at most; 0: never"),
     text("determinism", &Config::determinism, Unit::kChoice,
          "fast: same bytes on one machine; exact: software, same bytes on any x86-64 with the same Mesa",
          "fast|exact"),
@@ -55,7 +63,7 @@ constexpr std::array kSettings = {
     text("log-level", &Config::log_level, Unit::kChoice, "least level that is logged",
          "debug|info|warning|error|off"),
 
-    number("seats", &Config::seats, Unit::kCount, 0, 1024, "renders worked on at once; 0: cores + 1"),
+    number("seats", &Config::seats, Unit::kCount, 0, 1024, "renders worked on at once; 0: cores + contexts"),
     number("queue", &Config::queue, Unit::kCount, 0, 4096,
            "renders that may wait for a seat; more are answered 429"),
     number("cpu-threads", &Config::cpu_threads, Unit::kCount, 0, 1024,
@@ -130,10 +138,10 @@ constexpr std::array kSettings = {
          "file of lines KEYID:HEX-SECRET, not to be read by others; GET /v1/render then takes signed URLs "
          "only (furnace "
          "sign-url)"),
-    text(
-        "api-keys-file", &Config::api_keys_file, Unit::kText,
-        "file of lines NAME:SCOPES:HEX-SHA256-OF-KEY[:RATE-PER-MINUTE[:RENDERS-PER-DAY]]; all but health and "
-        "documents then needs a key (furnace hash-key)"),
+    text("api-keys-file", &Config::api_keys_file, Unit::kText,
+         "file of lines NAME:SCOPES:HEX-SHA256-OF-KEY[:RATE-PER-MINUTE[:RENDERS-PER-DAY[:ASSET-BYTES]]]; all "
+         "but health and "
+         "documents then needs a key (furnace hash-key)"),
     text("allow-anonymous", &Config::allow_anonymous, Unit::kChoice,
          "on: listen to other machines even without API keys", "off|on"),
     text("tls-certificate", &Config::tls_certificate, Unit::kText,
@@ -184,6 +192,8 @@ constexpr std::array kSettings = {
            "uploaded files kept below --data, those not used for longest go first"),
     number("asset-ttl", &Config::asset_ttl_ms, Unit::kDuration, 0, 3660ll * 24 * 3600 * kSecond,
            "uploaded files not used for so long are removed; 0: never"),
+    number("partial-ttl", &Config::partial_ttl_ms, Unit::kDuration, 0, 365ll * 24 * 3600 * kSecond,
+           "uploads in several requests to which nothing came for so long are removed; 0: never"),
 };
 
 struct Suffix {
@@ -308,6 +318,10 @@ std::string assign(const Setting& setting, std::string_view text, Config& config
     config.** member = static_cast<int>(*value);
   if (const auto* member = std::get_if<std::int64_t Config::*>(&setting.member)) config.** member = *value;
   return {};
+}
+
+std::optional<std::int64_t> parse_size(std::string_view text) {
+  return parse_number(text, Unit::kBytes);
 }
 
 std::string value_text(const Setting& setting, const Config& config) {

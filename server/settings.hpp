@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -33,6 +34,9 @@ std::string environment_name(const Setting& setting);
 
 // Parses `text` into `config`; returns what is wrong with it, or "".
 std::string assign(const Setting& setting, std::string_view text, Config& config);
+
+// "64MiB", or bytes; none for anything else.
+std::optional<std::int64_t> parse_size(std::string_view text);
 
 // The value as the file would have it: "64MiB", "30s".
 std::string value_text(const Setting& setting, const Config& config);

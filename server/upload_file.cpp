@@ -66,12 +66,38 @@ UploadFile::UploadFile(const fs::path& folder) {
   fail_storage(path_, "create", std::make_error_code(std::errc::file_exists));
 }
 
+UploadFile UploadFile::resume(const fs::path& path) {
+  make_folder(path.parent_path());
+  UploadFile upload;
+  constexpr int kTries = 100;  // it may be published or removed between its opening and its lock
+  for (int i = 0; i < kTries; ++i) {
+    Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0644));
+    if (!file.is_open()) fail_storage(path, "open", last_error());
+    if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return upload;
+    struct stat opened {
+    }, named{};
+    const bool is_it = ::fstat(file.get(), &opened) == 0 && ::lstat(path.c_str(), &named) == 0 &&
+                       opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
+    if (!is_it) continue;
+    upload.path_ = path;
+    upload.file_ = std::move(file);
+    upload.stays_ = true;
+    return upload;
+  }
+  return upload;
+}
+
+UploadFile::~UploadFile() {
+  if (!stays_) remove();
+}
+
 UploadFile::UploadFile(UploadFile&& other) noexcept
-    : path_(std::exchange(other.path_, {})), file_(std::move(other.file_)) {}
+    : path_(std::exchange(other.path_, {})), file_(std::move(other.file_)), stays_(other.stays_) {}
 
 UploadFile& UploadFile::operator=(UploadFile&& other) noexcept {
   std::swap(path_, other.path_);
   std::swap(file_, other.file_);
+  std::swap(stays_, other.stays_);
   return *this;
 }
 
@@ -82,6 +108,12 @@ void UploadFile::append(std::string_view bytes) {
     if (written < 0) fail_storage(path_, "write", last_error());
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
+}
+
+std::int64_t UploadFile::size() const {
+  struct stat status {};
+  if (::fstat(file_.get(), &status) != 0) fail_storage(path_, "look at", last_error());
+  return status.st_size;
 }
 
 void UploadFile::publish(const fs::path& path) {

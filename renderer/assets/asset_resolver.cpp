@@ -116,9 +116,10 @@ Blob file_in(const ZipReader& archive, const std::string& path) {
   return *std::move(file);
 }
 
-// `path`: of the model in the archive; "": the only one. `find` gives what is not in the archive.
+// `path`: of the model in the archive; "": the only one. `named` comes before the archive's files, `find` after them.
 std::shared_ptr<const ModelBundle> read_archive(const Blob& file, std::string path,
-                                                const ImportLimits& limits, const FindSibling& find) {
+                                                const ImportLimits& limits, const NamedFiles& named,
+                                                const FindSibling& find) {
   const ZipReader archive(file);
   if (path.empty()) path = model_in(archive);
   Blob document = file_in(archive, path);
@@ -126,6 +127,7 @@ std::shared_ptr<const ModelBundle> read_archive(const Blob& file, std::string pa
   const Uris uris = model_siblings(document, format, limits);
   const std::string folder = folder_of(path);
   return make_bundle(std::move(document), format, uris, [&](const std::string& uri) {
+    if (std::optional<Blob> file = find_named(named, uri)) return file;
     std::optional<Blob> sibling = archive.read(fs::path(folder + uri).lexically_normal().string());
     return sibling ? sibling : find(uri);
   });
@@ -200,7 +202,7 @@ std::shared_ptr<const ModelBundle> FileAssets::read_model(const std::string& rel
         throw;
       }
     };
-    if (is_zip(document)) return read_archive(document, {}, limits, find);
+    if (is_zip(document)) return read_archive(document, {}, limits, named, find);
     const ModelFormat format = model_format(document, relative);
     const ContentHash key = HashBuilder().add(document.hash()).add(std::int64_t(format)).finish();
     const auto uris =
@@ -302,7 +304,8 @@ std::shared_ptr<const ModelBundle> AssetResolver::read_model(const std::string& 
     const bool is_asset = reference.starts_with(kAssetScheme);
     const AssetName name = is_asset ? asset_name(reference) : AssetName{};
     Blob document = is_asset ? uploaded(name.id) : read(reference, pointer);
-    if (is_zip(document) || !name.path.empty()) return read_archive(document, name.path, limits_, find);
+    if (is_zip(document) || !name.path.empty())
+      return read_archive(document, name.path, limits_, named, find);
     const ModelFormat format = model_format(document, is_data_uri(reference) ? std::string() : reference);
     const Uris uris = model_siblings(document, format, limits_);
     return make_bundle(std::move(document), format, uris, find);

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <map>
+#include <mutex>
 
 #include <fmt/format.h>
 
@@ -93,6 +95,30 @@ EGLContext create_core_context(EGLDisplay display) {
   return EGL_NO_CONTEXT;
 }
 
+// A display is the process's, and eglTerminate ends what all threads have of it: the last to leave terminates it.
+class OpenDisplays {
+ public:
+  bool enter(EGLDisplay display) {
+    const std::lock_guard lock(mutex_);
+    if (eglInitialize(display, nullptr, nullptr) != EGL_TRUE) return false;
+    ++users_[display];
+    return true;
+  }
+  void leave(EGLDisplay display) {
+    const std::lock_guard lock(mutex_);
+    if (--users_[display] == 0) eglTerminate(display);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<EGLDisplay, int> users_;
+};
+
+OpenDisplays& open_displays() {
+  static OpenDisplays displays;
+  return displays;
+}
+
 }  // namespace
 
 std::string egl_error_name(EGLint error) {
@@ -161,7 +187,7 @@ Connection connect(const Candidate& candidate) {
     connection.problem = "no display: " + egl_error_name(eglGetError());
     return connection;
   }
-  if (eglInitialize(connection.display, nullptr, nullptr) != EGL_TRUE) {
+  if (!open_displays().enter(connection.display)) {
     connection.problem = "eglInitialize failed: " + egl_error_name(eglGetError());
     return connection;
   }
@@ -169,14 +195,14 @@ Connection connect(const Candidate& candidate) {
   connection.context = create_core_context(connection.display);
   if (connection.context == EGL_NO_CONTEXT) {
     connection.problem = "no OpenGL 4.5 core context: " + egl_error_name(eglGetError());
-    eglTerminate(connection.display);
+    open_displays().leave(connection.display);
     return connection;
   }
   if (eglMakeCurrent(connection.display, EGL_NO_SURFACE, EGL_NO_SURFACE, connection.context) != EGL_TRUE) {
     connection.problem =
         "the context cannot be made current without a surface: " + egl_error_name(eglGetError());
     eglDestroyContext(connection.display, connection.context);
-    eglTerminate(connection.display);
+    open_displays().leave(connection.display);
     connection.context = EGL_NO_CONTEXT;
   }
   return connection;
@@ -186,7 +212,7 @@ void disconnect(const Connection& connection) {
   if (!connection.usable()) return;
   eglMakeCurrent(connection.display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   eglDestroyContext(connection.display, connection.context);
-  eglTerminate(connection.display);
+  open_displays().leave(connection.display);
   eglReleaseThread();
 }
 

@@ -16,6 +16,7 @@
 #include "server/commands/commands.hpp"
 #include "server/crypto.hpp"
 #include "server/key_lines.hpp"
+#include "server/settings.hpp"
 #include "server/url_query.hpp"
 #include "server/url_signature.hpp"
 
@@ -82,6 +83,7 @@ int sign_url(const SignOptions& options) {
 struct KeyOptions {
   std::string name, scopes = "render";
   int rate = 0, renders = 0;
+  std::string asset_bytes = "0";
   bool is_for_urls = false;
 };
 
@@ -98,8 +100,15 @@ int hash_key(const KeyOptions& options) {
   const std::string key = "fk_" + base64url(secret);
   std::string line =
       fmt::format("{}:{}:{}", options.name, options.scopes, hash_bytes(std::as_bytes(std::span(key))).hex());
-  if (options.rate > 0 || options.renders > 0) line += fmt::format(":{}", options.rate);
-  if (options.renders > 0) line += fmt::format(":{}", options.renders);
+  const auto bytes = parse_size(options.asset_bytes);
+  if (!bytes || *bytes < 0)
+    fail(ErrorCode::kInvalidRequest, fmt::format("'{}' is not a size such as 500MiB", options.asset_bytes));
+  if (*bytes > 0)
+    line += fmt::format(":{}:{}:{}", options.rate, options.renders, options.asset_bytes);
+  else if (options.renders > 0)
+    line += fmt::format(":{}:{}", options.rate, options.renders);
+  else if (options.rate > 0)
+    line += fmt::format(":{}", options.rate);
   fmt::print("{}\n{}\n", key, line);
   return kDone;
 }
@@ -128,6 +137,10 @@ Command hash_key_command(CLI::App& root) {
   options->add_option("--rate", given->rate, "requests a minute; 0: any")->check(CLI::Range(0, 1'000'000));
   options->add_option("--renders", given->renders, "renders a day; 0: any")
       ->check(CLI::Range(0, 100'000'000));
+  options
+      ->add_option("--asset-bytes", given->asset_bytes,
+                   "what its uploads may have together: 500MiB, 2GiB; 0: any")
+      ->capture_default_str();
   options->add_flag("--url", given->is_for_urls,
                     "a line of url-keys-file instead, which is the secret itself");
   return {options, [given] { return hash_key(*given); }};

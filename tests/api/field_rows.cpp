@@ -52,6 +52,8 @@ constexpr FieldRow kFieldRows[] = {
      R"({"scene":{"model":"part:model.gltf","animations":[{"timeSeconds":@}]}})", "0", "0.5"},
     {"/scene/animations/loop", R"({"scene":{"model":"part:model.gltf","animations":[{"loop":@}]}})", "false",
      "true"},
+    {"/scene/files", R"({"scene":{"model":"part:chair.gltf","files":{"oak.png":@}}})", R"("part:a.png")",
+     R"("part:b.png")"},
     {"/scene/upAxis", R"({"scene":{"model":"part:model.obj","upAxis":@}})", R"("y")", R"("z")"},
     {"/scene/shadingModel", R"({"scene":{"shadingModel":@}})", R"("pbr")", R"("phong")"},
     {"/scene/materials/model", R"({"scene":{"materials":{"m":{"model":@}}}})", R"("pbr")",

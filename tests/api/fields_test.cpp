@@ -97,17 +97,18 @@ TEST(Fields, OnlyOptionalThingsHaveNoDefault) {
         leaf.path.starts_with("/scene/materials") || leaf.path == "/scene/model" ||
         leaf.path == "/scene/gltfScene" || leaf.path == "/scene/variant" ||
         leaf.path == "/scene/animation/name" || leaf.path == "/scene/animations/name" ||
-        leaf.path == "/scene/upAxis" || leaf.path == "/texture/map" || leaf.path == "/scene/nodes/mesh" ||
-        leaf.path == "/scene/nodes/name" || leaf.path == "/scene/nodes/material" ||
-        leaf.path == "/map:color/color" || leaf.path.ends_with("/stops/color") ||
-        leaf.path.ends_with("/stops/elevationDegrees") || leaf.path == "/map:clear-sky/dateTime" ||
-        leaf.path == "/map:clear-sky/latitudeDegrees" || leaf.path == "/map:clear-sky/longitudeDegrees" ||
-        leaf.path.starts_with("/camera/intrinsics/f") || leaf.path.starts_with("/camera/intrinsics/c") ||
-        leaf.path == "/camera/intrinsics/width" || leaf.path == "/camera/intrinsics/height" ||
-        leaf.path == "/camera/lookAt/eye" || leaf.path == "/camera/lookAt/heightMetres" ||
-        leaf.path == "/output/sequence/frames" || leaf.path == "/scene/lights/type" ||
-        leaf.path == "/scene/lights/fluxLumen" || leaf.path == "/scene/lights/profile" ||
-        leaf.path == "/scene/lights/rangeMetres" || leaf.path == "/environment/background/map" ||
+        leaf.path == "/scene/files" || leaf.path == "/scene/upAxis" || leaf.path == "/texture/map" ||
+        leaf.path == "/scene/nodes/mesh" || leaf.path == "/scene/nodes/name" ||
+        leaf.path == "/scene/nodes/material" || leaf.path == "/map:color/color" ||
+        leaf.path.ends_with("/stops/color") || leaf.path.ends_with("/stops/elevationDegrees") ||
+        leaf.path == "/map:clear-sky/dateTime" || leaf.path == "/map:clear-sky/latitudeDegrees" ||
+        leaf.path == "/map:clear-sky/longitudeDegrees" || leaf.path.starts_with("/camera/intrinsics/f") ||
+        leaf.path.starts_with("/camera/intrinsics/c") || leaf.path == "/camera/intrinsics/width" ||
+        leaf.path == "/camera/intrinsics/height" || leaf.path == "/camera/lookAt/eye" ||
+        leaf.path == "/camera/lookAt/heightMetres" || leaf.path == "/output/sequence/frames" ||
+        leaf.path == "/scene/lights/type" || leaf.path == "/scene/lights/fluxLumen" ||
+        leaf.path == "/scene/lights/profile" || leaf.path == "/scene/lights/rangeMetres" ||
+        leaf.path == "/environment/background/map" ||
         leaf.path == "/environment/background/rotationDegrees" ||
         leaf.path == "/environment/illuminanceLux" || leaf.path == "/environment/ground/levelMetres" ||
         leaf.path == "/environment/ground/projection/radiusMetres" || leaf.path == "/camera/gltf" ||

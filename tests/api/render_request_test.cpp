@@ -236,6 +236,27 @@ TEST(RenderRequest, NamesThatDoNotExistAreRefused) {
   EXPECT_EQ(refusal(R"({"scene":{"model":"https://example.com/a.glb"}})").pointer, "/scene/model");
 }
 
+TEST(RenderRequest, NamedFilesStandForWhatTheModelNames) {
+  const auto chair = [](std::string_view files) {
+    return fmt::format(R"({{"scene":{{"model":"part:chair.gltf","files":{}}}}})", files);
+  };
+  const RenderSpec spec = parse(chair(R"({"oak.png":"part:b.png"})"), generous_limits());
+  EXPECT_EQ(spec.scene.model->siblings.at("oak.png").text().back(), 'b');
+  EXPECT_NE(hash_of(chair(R"({"oak.png":"part:b.png"})")), hash_of(chair(R"({"oak.png":"part:a.png"})")));
+
+  const Error missing = refusal(chair(R"({"oak.png":"part:none.png","a/b":"part:no"})"));
+  ASSERT_EQ(missing.problems.size(), 2u) << "all at once";
+  EXPECT_EQ(missing.problems[0].pointer, "/scene/files/a~1b");
+  EXPECT_EQ(missing.problems[1].pointer, "/scene/files/oak.png");
+
+  const Error unknown = refusal(chair(R"({"oak.jpg":"part:a.png"})"));
+  EXPECT_EQ(unknown.pointer, "/scene/files/oak.jpg");
+  EXPECT_THAT(unknown.message, HasSubstr("it names \"oak.png\""));
+  EXPECT_EQ(refusal(R"({"scene":{"files":{"a":"part:a.png"}}})").pointer, "/scene/files");
+  EXPECT_EQ(refusal(R"({"scene":{"model":"builtin:cube","files":{"a":"part:a.png"}}})").pointer,
+            "/scene/files");
+}
+
 TEST(RenderRequest, SamePictureFromOtherJsonHasTheSameHash) {
   EXPECT_EQ(hash_of(R"({"output":{"width":64,"height":32}})"),
             hash_of("{ \"output\" : { \"height\" : 3.2e1, \"width\" : 64.0 } }"));

@@ -66,6 +66,7 @@ RenderSpec parse(std::string_view json, const RequestLimits& limits) {
   FileAssets files({}, 0, 0);
   std::map<std::string, Blob> parts;
   parts["model.gltf"] = Blob(R"({"asset":{"version":"2.0"}})");
+  parts["chair.gltf"] = Blob(R"({"asset":{"version":"2.0"},"images":[{"uri":"oak.png"}]})");
   parts["model.obj"] = Blob("v 0 0 0\n");
   parts["sky.hdr"] = Blob("#?RADIANCE\n");
   const std::string png("\x89PNG\r\n\x1a\n", 8);  // enough to be taken for one: parsing does not decode

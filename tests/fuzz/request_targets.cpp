@@ -93,9 +93,35 @@ void run_zip(Input input) {
 }
 
 // Input: the Content-Type; behind a zero byte the body.
+// What is heard of a body, and whether it is refused, in pieces of `size` bytes.
+class HeardParts : public PartListener {
+ public:
+  HeardParts(TextPair form, int max_parts, std::size_t size) {
+    try {
+      MultipartReader reader(form.first, max_parts, *this);
+      for (; !form.second.empty(); form.second.remove_prefix(std::min(size, form.second.size())))
+        reader.take(form.second.substr(0, size));
+      reader.finish();
+    } catch (const Error& error) {
+      text = error_code_name(error.code);
+    }
+  }
+  std::string text;
+
+ private:
+  void begin(PartHead head) override { text += '<' + head.name + '|' + head.file_name + '>'; }
+  void take_part(std::string_view bytes) override { text += bytes; }
+  void end() override { text += "</>"; }
+};
+
 void run_multipart(Input input) {
   constexpr int kMostParts = 8;
   const TextPair texts = split(input);
+  const std::string whole = HeardParts(texts, kMostParts, texts.second.size() + 1).text;
+  for (const std::size_t size : {1, 7}) {
+    const std::string pieces = HeardParts(texts, kMostParts, size).text;
+    FURNACE_CHECK(pieces == whole, "in pieces of {}: {} instead of {}", size, pieces, whole);
+  }
   Request request;
   request.headers["Content-Type"] = std::string(texts.first);
   request.body = std::string(texts.second);

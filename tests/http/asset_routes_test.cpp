@@ -136,6 +136,84 @@ TEST_F(AssetRoutesTest, GetHeadDelete) {
   for (const char* method : {"GET", "HEAD", "DELETE"}) EXPECT_EQ(send(method, path).status, 404) << method;
 }
 
+TEST_F(AssetRoutesTest, PiecesBecomeTheAsset) {
+  const std::string path = "/v1/assets/" + hex_of("hello, world");
+  const auto piece = [&](std::string range, std::string bytes) {
+    return send("PUT", path, std::move(bytes), {{"Content-Range", "bytes " + range}});
+  };
+  EXPECT_EQ(header(piece("*/12", ""), "Upload-Offset"), "0");
+  const Reply begun = piece("0-4/12", "hello");
+  EXPECT_EQ(begun.status, 202) << begun.body;
+  EXPECT_EQ(header(begun, "Upload-Offset"), "5");
+  EXPECT_EQ(header(begun, "Range"), "bytes=0-4");
+  EXPECT_THAT(begun.body, HasSubstr("\"receivedBytes\": 5, \"bytes\": 12"));
+  EXPECT_EQ(send("GET", path).status, 404);
+
+  // A piece that breaks off leaves what came.
+  EXPECT_EQ(header(piece("5-9/12", ", "), "Upload-Offset"), "7");
+  for (const char* wrong : {"0-4/12", "5-11/12", "8-11/12"}) {
+    const Reply reply = piece(wrong, "xxxxx");
+    EXPECT_EQ(reply.status, 409) << wrong;
+    EXPECT_EQ(header(reply, "Upload-Offset"), "7");
+    EXPECT_TRUE(was_unwanted_);
+  }
+  EXPECT_EQ(piece("7-11/12", "world").status, 201);
+  EXPECT_EQ(send("GET", path).file->read(0, 100), "hello, world");
+  EXPECT_EQ(piece("0-4/12", "hello").status, 200) << "it is there";
+  EXPECT_TRUE(fs::is_empty(folder_ / "partial"));
+}
+
+TEST_F(AssetRoutesTest, PiecesOfSomethingElseAreForgotten) {
+  const std::string path = "/v1/assets/" + hex_of("hello");
+  const auto piece = [&](std::string range, std::string bytes) {
+    return send("PUT", path, std::move(bytes), {{"Content-Range", std::move(range)}});
+  };
+  EXPECT_EQ(piece("bytes 0-4/5", "jello").status, 422);
+  EXPECT_EQ(header(piece("bytes */5", ""), "Upload-Offset"), "0");
+  EXPECT_EQ(piece("bytes 0-2/2000", "abc").status, 413);
+  for (const char* wrong : {"bytes 0-4", "bytes 4-0/5", "bytes 0-5/5", "items 0-4/5", "bytes 0-4/*"})
+    EXPECT_EQ(piece(wrong, "hello").status, 400) << wrong;
+  EXPECT_EQ(piece("bytes 0-4/5", "hello").status, 201);
+}
+
+TEST_F(AssetRoutesTest, PiecesLongerThanTheirRangeAreRefused) {
+  Request request;
+  request.method = "PUT";
+  request.path = "/v1/assets/" + hex_of("hello");
+  request.headers = {{"Content-Range", "bytes 0-1/5"}};
+  const Incoming incoming = dispatcher_->receive(request);
+  ASSERT_NE(incoming.sink, nullptr);
+  EXPECT_THROW(incoming.sink->take("hello"), Error);
+  const Reply meanwhile = send("PUT", request.path, "", {{"Content-Range", "bytes 0-4/5"}});
+  EXPECT_EQ(meanwhile.status, 409);
+  EXPECT_THAT(meanwhile.body, HasSubstr("just now"));
+}
+
+TEST_F(AssetRoutesTest, FormsHaveSeveralFiles) {
+  const std::string form =
+      "--B\r\nContent-Disposition: form-data; name=model; filename=quad.gltf\r\nContent-Type: "
+      "model/gltf+json\r\n"
+      "\r\n{}\r\n--B\r\nContent-Disposition: form-data; name=bin\r\n\r\nhello\r\n--B--";
+  const std::map<std::string, std::string, HeaderLess> type = {
+      {"Content-Type", "multipart/form-data; boundary=B"}};
+  const Reply made = send("POST", "/v1/assets", form, type);
+  EXPECT_EQ(made.status, 201) << made.body;
+  EXPECT_THAT(made.body, HasSubstr(R"({"assets": [{"part": "model", "id": "asset:sha256-)" + hex_of("{}")));
+  EXPECT_THAT(made.body,
+              HasSubstr(R"("mediaType": "model/gltf+json", "name": "quad.gltf"}, {"part": "bin")"));
+  EXPECT_EQ(send("GET", "/v1/assets/" + hex_of("hello")).status, 200);
+  EXPECT_EQ(send("POST", "/v1/assets", form, type).status, 200);
+
+  EXPECT_EQ(send("POST", "/v1/assets", "--B--", type).status, 400);
+  EXPECT_EQ(send("POST", "/v1/assets", "hello", {{"Content-Type", "multipart/form-data"}}).status, 400);
+  std::string cut = form;
+  cut.resize(cut.size() - 20);
+  cut.replace(cut.find("{}"), 2, "{ }");
+  EXPECT_EQ(send("POST", "/v1/assets", cut, type).status, 400);
+  EXPECT_EQ(send("GET", "/v1/assets/" + hex_of("{ }")).status, 404)
+      << "nothing is kept of a form that broke off";
+}
+
 TEST_F(AssetRoutesTest, RequestsReferToAssets) {
   send("POST", "/v1/assets", kEmptyModel);
   const std::string id = "asset:sha256-" + hex_of(kEmptyModel);

@@ -215,5 +215,62 @@ TEST(AssetId, IsStrict) {
     EXPECT_THROW(parse_asset_id(wrong), Error) << wrong;
 }
 
+TEST_F(AssetStoreTest, AnOwnersAssetsKeepWithinItsQuota) {
+  const auto put_for = [](AssetStore& store, std::string_view text, std::int64_t quota_bytes) {
+    const auto upload = store.begin();
+    upload->take(text);
+    return store.keep(*upload, std::nullopt, {}, {"anna", quota_bytes});
+  };
+  {
+    AssetStore store(config_);
+    put_for(store, "first", 0);
+    put(store, "of nobody");
+  }
+  AssetStore store(config_);
+  EXPECT_EQ(store.find(hash_of("first"))->owner, "anna");
+  put_for(store, "second", 3 * 4096);
+  put_for(store, "third", 3 * 4096);
+  const Error full = error_of([&] { put_for(store, "fourth", 3 * 4096); });
+  EXPECT_EQ(full.code, ErrorCode::kTooLarge);
+  EXPECT_THAT(full.message, HasSubstr("may have 12288 bytes together and have 12288"));
+  EXPECT_FALSE(put_for(store, "second", 3 * 4096).is_new) << "what is there already costs nothing";
+  EXPECT_TRUE(store.erase(hash_of("first")));
+  EXPECT_TRUE(put_for(store, "fourth", 3 * 4096).is_new);
+}
+
+TEST_F(AssetStoreTest, WhatIsIncompleteIsBoundedAndForgotten) {
+  config_.budget_bytes = 10'000;
+  config_.largest_bytes = 10'000;
+  config_.partial_ttl = std::chrono::hours(1);
+  now_ = Time::clock::now();
+  const auto send = [](AssetStore& store, std::string_view whole, std::string client, std::int64_t end) {
+    const PartialUploads::Id id{hash_of(whole), std::move(client)};
+    const std::int64_t first = store.received(id);
+    const auto upload = store.resume(id, {first, end, std::int64_t(whole.size())});
+    ASSERT_NE(upload, nullptr);
+    upload->take(whole.substr(std::size_t(first), std::size_t(end - first)));
+    EXPECT_EQ(store.keep_when_whole(*upload, id.hash, {}).has_value(), end == std::int64_t(whole.size()));
+  };
+  const std::string whole(4000, 'x');
+  {
+    AssetStore store(config_);
+    send(store, whole, "anna", 3000);
+    send(store, whole, "berta", 2000);
+    EXPECT_EQ(store.received({hash_of(whole), "anna"}), 3000);
+    EXPECT_EQ(store.received({hash_of(whole), "berta"}), 2000);
+    EXPECT_EQ(error_of([&] {
+                store.resume({hash_of("?"), "carla"}, {0, 6000, 6000});
+              }).code,
+              ErrorCode::kOverloaded);
+  }
+  AssetStore store(config_);
+  send(store, whole, "anna", 4000);
+  EXPECT_TRUE(store.read(hash_of(whole)));
+  EXPECT_EQ(files_below("partial"), 1);
+  now_ += std::chrono::hours(2);
+  EXPECT_NE(store.resume({hash_of("?"), "carla"}, {0, 6000, 6000}), nullptr);
+  EXPECT_EQ(store.received({hash_of(whole), "berta"}), 0);
+}
+
 }  // namespace
 }  // namespace furnace

@@ -103,6 +103,73 @@ class Assets(Case):
             self.expect_problem(server.curl(f"/v1/assets/{sha256(body)}"), 404)
             self.assertEqual(self.put(server, body).status, 201)
 
+    def piece(self, server, whole, first, end, **more):
+        return self.put(server, whole[first:end], "-H", f"Content-Range: bytes {first}-{end - 1}/{len(whole)}", name=sha256(whole), **more)
+
+    def received(self, server, whole):
+        answer = server.curl(f"/v1/assets/{sha256(whole)}", "-X", "PUT", "-H", f"Content-Range: bytes */{len(whole)}", "-H", "Content-Length: 0")
+        self.assertEqual(answer.status, 202, answer.body[:300])
+        return int(answer.headers["upload-offset"])
+
+    def test_an_upload_goes_on_where_it_broke_off(self):
+        whole = os.urandom(2 << 20)
+        with Server("--data", self.data) as server:
+            self.assertEqual(self.piece(server, whole, 0, 500_000).status, 202)
+            # The client goes in the middle of a piece.
+            with socket.create_connection(("127.0.0.1", server.port)) as client:
+                head = f"PUT /v1/assets/{sha256(whole)} HTTP/1.1\r\nHost: x\r\nContent-Range: bytes 500000-{len(whole) - 1}/{len(whole)}\r\nContent-Length: {len(whole) - 500_000}\r\n\r\n"
+                client.sendall(head.encode() + whole[500_000:900_000])
+                client.shutdown(socket.SHUT_WR)
+                client.recv(1000)
+            there = self.received(server, whole)
+            self.assertTrue(500_000 <= there <= 900_000, there)
+            self.assertEqual(self.piece(server, whole, there, 1_000_000).status, 202)
+            server.process.kill()
+            server.process.wait()
+        with Server("--data", self.data) as server:
+            self.assertEqual(self.received(server, whole), 1_000_000)
+            wrong = self.piece(server, whole, 0, 10)
+            self.assertEqual((wrong.status, wrong.headers["upload-offset"]), (409, "1000000"))
+            self.assertEqual(self.piece(server, whole, 1_000_000, len(whole)).status, 201)
+            self.assertEqual(server.curl(f"/v1/assets/{sha256(whole)}").body, whole)
+            self.assertEqual(os.listdir(os.path.join(self.data, "assets", "partial")), [])
+
+    def test_forms_and_names_of_files(self):
+        files = textured_quad()
+        with Server("--data", self.data) as server:
+            flags = [flag for name in files for flag in ("-F", f"{name}=@{self.file(files[name])};filename={name}")]
+            answer = server.curl("/v1/assets", *flags)
+            self.assertEqual(answer.status, 201, answer.body[:300])
+            ids = {asset["name"]: asset["id"] for asset in json.loads(answer.body)["assets"]}
+            self.assertEqual(ids.keys(), files.keys())
+            scene = {"model": ids.pop("quad.gltf"), "files": ids}
+            drawn = server.render({**small(), "scene": scene})
+            self.expect_picture(drawn, 48, 32)
+            self.assertEqual(drawn.headers["furnace-notes"], "0")
+            report = server.curl("/v1/inspect", "-H", "Content-Type: application/json", "-d", json.dumps(scene))
+            self.assertEqual(json.loads(report.body)["missingFiles"], [])
+            scene["files"]["unknown.png"] = next(iter(ids.values()))
+            self.assertEqual(self.expect_problem(server.render({**small(), "scene": scene}), 422)["pointer"], "/scene/files/unknown.png")
+
+    def test_keys_have_their_own(self):
+        keys = os.path.join(self.folder.name, "keys")
+        with open(keys, "w", encoding="ascii") as file:
+            for name, more in (("anna", ":0:0:8KiB"), ("berta", ""), ("root", "")):
+                scopes = "assets,admin" if name == "root" else "assets"
+                file.write(f"{name}:{scopes}:{sha256(name.encode())}{more}\n")
+        with Server("--data", self.data, "--api-keys-file", keys) as server:
+            key = lambda name: ("-H", f"X-Api-Key: {name}")
+            self.assertEqual(self.put(server, b"1", *key("anna")).status, 201)
+            self.assertEqual(self.put(server, b"2", *key("anna")).status, 201)
+            self.assertIn("8192", self.expect_problem(self.put(server, b"3", *key("anna")), 413)["detail"])
+            self.assertEqual(self.put(server, b"3", *key("berta")).status, 201)
+            self.assertEqual(self.put(server, b"3", *key("anna")).status, 200)
+            drop = lambda data, name: server.curl(f"/v1/assets/{sha256(data)}", "-X", "DELETE", *key(name))
+            self.expect_problem(drop(b"3", "anna"), 403)
+            self.assertEqual(drop(b"3", "root").status, 204)
+            self.assertEqual(drop(b"1", "anna").status, 204)
+            self.assertEqual(self.put(server, b"4", *key("anna")).status, 201)
+
     def test_without_data_nothing_is_kept(self):
         with Server() as server:
             self.assertIn("--data", self.expect_problem(self.put(server, b"x"), 507)["detail"])

@@ -27,7 +27,7 @@ std::string hash_of(const std::string& key) {
 
 TEST(ApiKeys, WhatALineSays) {
   const auto keys = parse_api_keys("# ours\nshop:render:" + hash_of("a") +
-                                   "\n\nci.1:render,assets,admin:" + hash_of("b") + ":60:1000\r\n");
+                                   "\n\nci.1:render,assets,admin:" + hash_of("b") + ":60:1000:2GiB\r\n");
   ASSERT_EQ(keys.size(), 2u);
   EXPECT_EQ(keys[0].name, "shop");
   EXPECT_EQ(keys[0].scopes, scope::kRender);
@@ -36,6 +36,8 @@ TEST(ApiKeys, WhatALineSays) {
   EXPECT_EQ(keys[1].hash.hex(), hash_of("b"));
   EXPECT_EQ(keys[1].rate_per_minute, 60);
   EXPECT_EQ(keys[1].renders_per_day, 1000);
+  EXPECT_EQ(keys[0].asset_bytes, 0);
+  EXPECT_EQ(keys[1].asset_bytes, 2ll << 30);
 }
 
 TEST(ApiKeys, AllProblems) {
@@ -43,7 +45,7 @@ TEST(ApiKeys, AllProblems) {
   const std::string text = "a:render:" + a + "\na:render:" + b + "\nb:render:" + a + "\nc:draw:" + b +
                            "\nd::" + b + "\ne:render,:" + b + "\nf:render:" + b.substr(1) +
                            "\ng:render:" + b + ":x\nh:render:" + b + ":1:-1\ni:render\nj:render:" + b +
-                           ":1:2:3\n:render:" + b + "\nk:render:" + b + ":\n";
+                           ":1:2:3GB\n:render:" + b + "\nk:render:" + b + ":\n";
   try {
     parse_api_keys(text);
     FAIL() << "it was taken";
@@ -57,7 +59,7 @@ TEST(ApiKeys, AllProblems) {
 }
 
 TEST(ApiKeys, Garbage) {
-  const std::string line = "name:render,admin:" + hash_of("a") + ":60:1000\n";
+  const std::string line = "name:render,admin:" + hash_of("a") + ":60:1000:1MiB\n";
   std::mt19937 random(6);
   for (int i = 0; i < 5000; ++i) {
     std::string text = line;

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "renderer/base/error.hpp"
+#include "server/content_range.hpp"
 #include "server/framing.hpp"
 #include "server/multipart.hpp"
 #include "server/negotiation.hpp"
@@ -93,6 +94,23 @@ TEST(Framing, RequestIds) {
   EXPECT_TRUE(is_sane_request_id(new_request_id()));
 }
 
+// --- ranges of uploads
+// --------------------------------------------------------------------------------------------------------
+
+TEST(ContentRange, IsReadStrictly) {
+  const auto range = parse_content_range("bytes 5-9/12");
+  ASSERT_TRUE(range);
+  EXPECT_EQ(std::tuple(range->first, range->end, range->total), std::tuple(5, 10, 12));
+  EXPECT_FALSE(range->only_asks());
+  ASSERT_TRUE(parse_content_range("bytes */12"));
+  EXPECT_TRUE(parse_content_range("bytes */12")->only_asks());
+  for (const char* wrong :
+       {"", "bytes", "bytes ", "bytes=0-4/5", "bytes 0-4/*", "bytes */*", "bytes */", "bytes 4-3/5",
+        "bytes 0-5/5", "bytes -1-4/5", "bytes 0--4/5", "bytes +0-4/5", "bytes 0-4/5 ",
+        "bytes 0-4/99999999999999999999", "bytes 0-4/-5", "Bytes 0-4/5", "bytes 0-4", "bytes 0 -4/5"})
+    EXPECT_FALSE(parse_content_range(wrong)) << wrong;
+}
+
 // --- multipart
 // --------------------------------------------------------------------------------------------------------
 
@@ -119,7 +137,7 @@ TEST(Multipart, PartsKeepTheirBytes) {
       bytes + "\r\n--B--\r\nepilogue";
   const auto parts = parts_of(body);
   ASSERT_EQ(parts.size(), 2u);
-  EXPECT_EQ(parts[0].name, "request");
+  EXPECT_EQ(parts[0].head.name, "request");
   EXPECT_EQ(parts[0].body, "{}");
   EXPECT_EQ(parts[1].body, bytes);
 }
@@ -129,8 +147,8 @@ TEST(Multipart, NamesAreUnquotedInAnyOrder) {
       "preamble\r\n--B \t\r\nX: y\r\ncontent-disposition: FORM-DATA; filename=\"a \\\"b\\\".glb\"; "
       "name=f\r\n\r\nbytes\r\n--B--");
   ASSERT_EQ(parts.size(), 1u);
-  EXPECT_EQ(parts[0].name, "f");
-  EXPECT_EQ(parts[0].file_name, "a \"b\".glb");
+  EXPECT_EQ(parts[0].head.name, "f");
+  EXPECT_EQ(parts[0].head.file_name, "a \"b\".glb");
   EXPECT_EQ(parts[0].body, "bytes");
 }
 
@@ -138,6 +156,42 @@ TEST(Multipart, EmptyBodiesAndNoParts) {
   EXPECT_EQ(parts_of("--B\r\nContent-Disposition: form-data; name=a\r\n\r\n\r\n--B--")[0].body, "");
   EXPECT_EQ(parts_of("--B\r\nContent-Disposition: form-data; name=a\r\n\r\n--B--")[0].body, "");
   EXPECT_TRUE(parts_of("--B--\r\n").empty());
+}
+
+// Keeps what it hears, as text.
+class Heard : public PartListener {
+ public:
+  std::string text;
+
+  void begin(PartHead head) override {
+    text += '<' + head.name + '|' + head.file_name + '|' + head.media_type + '>';
+  }
+  void take_part(std::string_view bytes) override {
+    EXPECT_FALSE(bytes.empty());
+    text += bytes;
+  }
+  void end() override { text += "</>"; }
+};
+
+TEST(Multipart, PiecesOfAnySizeGiveTheSame) {
+  const std::string body =
+      "preamble\r\n-\r\n--\r\n--B \t\r\nContent-Disposition: form-data; name=a; filename=f.bin\r\n"
+      "Content-Type: Image/PNG; x=y\r\n\r\n\r\n--\r\n-\r\r\n--b\r\n--B\r\nContent-Disposition: form-data; "
+      "name=empty\r\n\r\n--B\r\nContent-Disposition: form-data; name=c\r\n\r\n\r\n\r\n--B--\r\n--B\r\n";
+  for (std::size_t size = 1; size <= body.size(); ++size) {
+    Heard heard;
+    MultipartReader reader(kType, 3, heard);
+    for (std::size_t at = 0; at < body.size(); at += size)
+      reader.take(std::string_view(body).substr(at, size));
+    reader.finish();
+    EXPECT_EQ(heard.text, "<a|f.bin|image/png>\r\n--\r\n-\r\r\n--b</><empty||></><c||>\r\n</>") << size;
+  }
+}
+
+TEST(Multipart, EveryBodyThatIsCutOffIsRefused) {
+  const std::string body = "--B\r\nContent-Disposition: form-data; name=a\r\n\r\nx\r\n--B--";
+  for (std::size_t size = 0; size < body.size(); ++size)
+    EXPECT_EQ(refusal_of(body.substr(0, size)), ErrorCode::kInvalidRequest) << size;
 }
 
 TEST(Multipart, MalformedBodiesAreRefused) {
