@@ -167,6 +167,7 @@ TlsSession::Progress TlsSession::read(char* out, std::size_t size) {
   return progress_of(outcome, got);
 }
 
+// To a client that has left it raises SIGPIPE, which the HTTP library has the process ignore.
 TlsSession::Progress TlsSession::write(const char* data, std::size_t size) {
   ERR_clear_error();
   std::size_t sent = 0;

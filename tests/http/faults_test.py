@@ -74,7 +74,7 @@ class Killed(FaultCase):
             self.work(server, 1, kept)
             steps = self.faults.steps - before
         self.assertGreater(steps, 20)
-        turns = 12
+        turns = 10
         for turn in range(2, 2 + turns):
             server = self.server()
             try:

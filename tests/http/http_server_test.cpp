@@ -291,7 +291,7 @@ TEST_F(HttpServerTest, SilentConnectionsGiveWayToOthers) {
   config_.io.header_timeout = config_.io.io_timeout = std::chrono::minutes(10);
   start();
   std::vector<std::unique_ptr<Client>> silent;
-  for (int i = 0; i < 16; ++i) {
+  for (int i = 0; i < 10; ++i) {
     silent.push_back(std::make_unique<Client>(server_->port()));
     silent.back()->say(i % 2 == 0 ? "GET /hel"
                                   : "POST /echo HTTP/1.1\r\nHost: h\r\nContent-Length: 9\r\n\r\nab");
