@@ -1,7 +1,5 @@
 #include "renderer/context_pool.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <fstream>
 #include <string_view>
@@ -21,10 +19,11 @@ constexpr milliseconds kMemoryPause{60'000};
 
 // 0 where the kernel does not tell.
 std::int64_t process_bytes() {
-  std::ifstream file("/proc/self/statm");
-  std::int64_t pages = 0, resident = 0;
-  file >> pages >> resident;
-  return file ? resident * sysconf(_SC_PAGESIZE) : 0;
+  std::ifstream file("/proc/self/status");
+  std::int64_t kibibytes = 0;
+  for (std::string word; file >> word;)
+    if (word == "VmRSS:" && file >> kibibytes) break;
+  return kibibytes << 10;
 }
 
 }  // namespace

@@ -177,7 +177,9 @@ Application::Application(const Config& config)
              presets(config_),
              {config_.image_max_age_ms / 1000, config_.presets_only == "on"},
              &assets_,
-             [this] { return engine_.renderer.context_stats(); }},
+             [this] { return engine_.renderer.context_stats(); },
+             config_.determinism == "exact",
+             config_.max_bundle_bytes},
       job_runner_(jobs_,
                   [this](const JobRequest& request, const Deadline& deadline,
                          const RenderService::Progress& progress) {

@@ -45,6 +45,7 @@ struct Config {
   std::int64_t max_bodies_bytes = 512ll << 20;
   int max_parts = 64;
   int max_batch = 256;
+  std::int64_t max_bundle_bytes = 512ll << 20;
   std::int64_t max_json_bytes = 4ll << 20;
   int max_side_px = 4096;
   std::int64_t max_area_px = 16ll << 20;

@@ -17,6 +17,7 @@
 #include "api/render_request.hpp"
 #include "server/asset_routes.hpp"
 #include "server/batch_routes.hpp"
+#include "server/bundle_routes.hpp"
 #include "server/build_id.hpp"
 #include "server/environment_routes.hpp"
 #include "server/hash_text.hpp"
@@ -175,6 +176,7 @@ std::string welcome() {
       "  curl -X POST http://HOST:PORT/v1/renders -H 'Content-Type: application/json' -d '{{}}' -o "
       "picture.png\n\n"
       "GET /v1/render?KEY=VALUE  the same in a URL, for <img>; keys are in /openapi.json\n"
+      "POST /v1/bundles         a picture with all it takes to draw it again\n"
       "POST /v1/inspect         what is in a model\n"
       "POST /v1/assets          uploads a file, for \"asset:sha256-...\" in documents\n"
       "PUT /v1/environments/NAME  names an HDRI; its report and its baked maps\n"
@@ -258,10 +260,12 @@ void Readiness::check(std::chrono::milliseconds timeout) {
 }
 
 // A format in the document wins, unless Accept excludes it; without one Accept chooses.
-RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Doors& doors) {
+RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Doors& doors,
+                      std::vector<ReadReference>* reads) {
   const OutputFormat preferred = preferred_format(accept);
   const api::Capabilities& can = doors.capabilities;
-  const AssetResolver assets = references(doors, body.parts);
+  AssetResolver assets = references(doors, body.parts);
+  if (reads != nullptr) assets.record(*reads);
   const RenderSpec spec = api::parse_render_request(body.document, assets, can.request, preferred);
   const std::string_view media_type = api::media_type_of(spec.output);
   if (quality_of(accept, media_type) > 0) return spec;
@@ -307,6 +311,9 @@ std::vector<Route> public_routes(const Doors& doors, bool with_metrics) {
                     true});
   routes.push_back({"POST", kBatches, [doors](const Request& request) { return post_batch(doors, request); },
                     scope::kRender, true});
+  routes.push_back({"POST", "/v1/bundles",
+                    [doors](const Request& request) { return post_bundle(doors, request); }, scope::kRender,
+                    true});
   routes.push_back({"GET", "/v1/renders/*",
                     [doors](const Request& request) { return get_render(doors, request); }, scope::kRender});
   routes.push_back({"GET", "/v1/reports/*",

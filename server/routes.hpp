@@ -63,10 +63,13 @@ struct Doors {
   ImageUrlConfig image_urls = {};
   AssetStore* assets = nullptr;  // null: nothing can be uploaded, nor referred to
   std::function<ContextPoolStats()> contexts = {};
+  bool is_exact = false;  // gl::Determinism::kExact
+  std::int64_t max_bundle_bytes = 512ll << 20;
 };
 
-// Errors: those of parse_render_request; kNotAcceptable.
-RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Doors& doors);
+// `reads`, if any, hears what the references are. Errors: those of parse_render_request; kNotAcceptable.
+RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Doors& doors,
+                      std::vector<ReadReference>* reads = nullptr);
 
 // A job's work: the request is understood and drawn as POST /v1/renders would. The result is as encode_stored_render writes it.
 // Errors: those of that door.

@@ -97,6 +97,8 @@ constexpr std::array kSettings = {
            "largest sum of all request bodies held at once; more is 429"),
     number("max-parts", &Config::max_parts, Unit::kCount, 1, 4096, "parts of one multipart request"),
     number("max-batch", &Config::max_batch, Unit::kCount, 1, 10'000, "renders of one batch"),
+    number("max-bundle", &Config::max_bundle_bytes, Unit::kBytes, 0, 1024 * kGiB,
+           "files of a request that POST /v1/bundles packs; more are 413"),
     number("max-json", &Config::max_json_bytes, Unit::kBytes, 1024, 256 * kMiB, "largest request document"),
     number("max-side", &Config::max_side_px, Unit::kCount, 1, 16384,
            "largest width or height of a picture, px"),

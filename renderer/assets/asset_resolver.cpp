@@ -267,6 +267,20 @@ Blob AssetResolver::uploaded(const std::string& id) const {
 }
 
 Blob AssetResolver::read(const std::string& reference, const std::string& pointer) const {
+  Blob file = look_up(reference, pointer);
+  if (reads_ != nullptr) reads_->push_back({reference, pointer, file, nullptr});
+  return file;
+}
+
+std::shared_ptr<const ModelBundle> AssetResolver::read_model(const std::string& reference,
+                                                             const std::string& pointer,
+                                                             const NamedFiles& named) const {
+  auto model = find_model(reference, pointer, named);
+  if (reads_ != nullptr) reads_->push_back({reference, pointer, {}, model});
+  return model;
+}
+
+Blob AssetResolver::look_up(const std::string& reference, const std::string& pointer) const {
   if (reference.starts_with(kPartScheme)) {
     const std::string name = reference.substr(kPartScheme.size());
     const auto part = parts_.find(name);
@@ -291,7 +305,7 @@ Blob AssetResolver::read(const std::string& reference, const std::string& pointe
   fail_unknown_scheme(pointer);
 }
 
-std::shared_ptr<const ModelBundle> AssetResolver::read_model(const std::string& reference,
+std::shared_ptr<const ModelBundle> AssetResolver::find_model(const std::string& reference,
                                                              const std::string& pointer,
                                                              const NamedFiles& named) const {
   if (reference.starts_with(kFileScheme))
@@ -303,7 +317,7 @@ std::shared_ptr<const ModelBundle> AssetResolver::read_model(const std::string& 
     };
     const bool is_asset = reference.starts_with(kAssetScheme);
     const AssetName name = is_asset ? asset_name(reference) : AssetName{};
-    Blob document = is_asset ? uploaded(name.id) : read(reference, pointer);
+    Blob document = is_asset ? uploaded(name.id) : look_up(reference, pointer);
     if (is_zip(document) || !name.path.empty())
       return read_archive(document, name.path, limits_, named, find);
     const ModelFormat format = model_format(document, is_data_uri(reference) ? std::string() : reference);

@@ -36,6 +36,13 @@ class FileAssets {
   std::shared_ptr<State> state_;
 };
 
+// What a reference turned out to be.
+struct ReadReference {
+  std::string reference, pointer;
+  Blob file;                                 // of a model: empty
+  std::shared_ptr<const ModelBundle> model;  // null: a file
+};
+
 // What a request may refer to. `parts` are the files of a multipart request, by part name and by file name.
 // Threads: one request.
 class AssetResolver {
@@ -49,6 +56,9 @@ class AssetResolver {
   AssetResolver(FileAssets& files, std::map<std::string, Blob> parts, ImportLimits limits,
                 NamedEnvironments environments = {}, UploadedAssets uploads = {});
 
+  // From now on tells of every read in `reads`, which outlives this.
+  void record(std::vector<ReadReference>& reads) { reads_ = &reads; }
+
   // `reference` is "part:NAME", "file:RELATIVE", "environment:NAME", "asset:ID", "asset:ID/PATH" (a file in an archive),
   // "data:..." (base64 or percent-encoded); `pointer` is its place in the request.
   // Errors: kUnprocessable for an unknown scheme, a broken data: URI or archive, kNotFound for a name that is not there.
@@ -60,12 +70,16 @@ class AssetResolver {
 
  private:
   Blob uploaded(const std::string& id) const;
+  Blob look_up(const std::string& reference, const std::string& pointer) const;
+  std::shared_ptr<const ModelBundle> find_model(const std::string& reference, const std::string& pointer,
+                                                const NamedFiles& named) const;
 
   FileAssets* files_;
   std::map<std::string, Blob> parts_;
   ImportLimits limits_;
   NamedEnvironments environments_;
   UploadedAssets uploads_;
+  std::vector<ReadReference>* reads_ = nullptr;
 };
 
 }  // namespace furnace

@@ -10,12 +10,14 @@
 #include <fmt/format.h>
 
 #include "renderer/assets/asset_resolver.hpp"
+#include "renderer/assets/zip_reader.hpp"
 #include "renderer/base/file.hpp"
 #include "renderer/base/log.hpp"
 #include "renderer/gl/context.hpp"
 #include "renderer/scene/model_format.hpp"
 #include "api/render_request.hpp"
 #include "server/application.hpp"
+#include "server/commands/bundle_file.hpp"
 #include "server/commands/commands.hpp"
 #include "server/commands/frame_files.hpp"
 #include "server/commands/render_options.hpp"
@@ -44,6 +46,7 @@ struct Job {
   std::map<std::string, Blob> parts;
   fs::path root = ".";
   bool document_is_ours = false;  // made from the options, so they need not be applied to it
+  std::optional<BundleFile> bundle = {};
 };
 
 bool on_terminal() {
@@ -75,6 +78,13 @@ void name_format(const Arguments& arguments, RenderOptions& options) {
 
 Job make_job(const Arguments& arguments, const RenderOptions& options, Job job) {
   const fs::path input = arguments.input;
+  if (input.extension() == ".zip" && fs::is_regular_file(input))
+    job.bundle = BundleFile::read(Blob(read_file(input, arguments.config.max_file_bytes)));
+  if (job.bundle) {
+    job.document = job.bundle->document;
+    job.parts.merge(std::map(job.bundle->parts));
+    return job;
+  }
   if (arguments.input != "-") job.root = input.has_parent_path() ? input.parent_path() : fs::path(".");
   if (arguments.input != "-" && is_model_name(input.string())) {
     if (!fs::is_regular_file(input))
@@ -84,9 +94,9 @@ Job make_job(const Arguments& arguments, const RenderOptions& options, Job job) 
     return job;
   }
   std::string content = read_input(arguments.input, arguments.config.max_file_bytes);
-  const bool is_other_model =
-      model_format(std::as_bytes(std::span(content)), arguments.input) != ModelFormat::kGltf;
-  if (content.starts_with(kGlbMagic) || is_other_model) {
+  const auto bytes = std::as_bytes(std::span(content));
+  const bool is_other_model = model_format(bytes, arguments.input) != ModelFormat::kGltf;
+  if (content.starts_with(kGlbMagic) || is_other_model || is_zip(bytes)) {
     job.parts[kModelPart] = Blob(std::move(content));
     job.document = request_document(options, fmt::format("part:{}", kModelPart));
     job.document_is_ours = true;
@@ -182,15 +192,25 @@ std::vector<Note> write_frames(const FrameFiles& files, RenderService& service, 
   return notes;
 }
 
-int render(const Arguments& arguments) {
+void tell_bundle(const BundleFile& bundle, std::string_view picture, const std::string& fingerprint) {
+  const std::string verdict = bundle.verdict(picture, fingerprint);
+  if (on_terminal()) {
+    fmt::print(stderr, "{}\n", verdict);
+  } else {
+    log::info("render.bundle", {{"verdict", verdict}});
+  }
+}
+
+int render(Arguments arguments) {
   if (on_terminal()) log::set_level(log::Level::kWarning);
-  gl::apply_determinism(arguments.config.determinism == "exact" ? gl::Determinism::kExact
-                                                                : gl::Determinism::kFast);
   RenderOptions options = arguments.options;
   Job named;
   name_environment(arguments, options, named);
   name_format(arguments, options);
   const Job job = make_job(arguments, options, std::move(named));
+  if (job.bundle && job.bundle->about.is_exact) arguments.config.determinism = "exact";
+  gl::apply_determinism(arguments.config.determinism == "exact" ? gl::Determinism::kExact
+                                                                : gl::Determinism::kFast);
 
   Engine engine(arguments.config, {job.root});
   const RenderSpec spec = make_spec(arguments, options, job, engine.files);
@@ -207,6 +227,7 @@ int render(const Arguments& arguments) {
     tell_picture(rendered, std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   }
   tell_notes(rendered.image->notes);
+  if (job.bundle) tell_bundle(*job.bundle, rendered.image->bytes, engine.service.fingerprint());
   write_output(arguments.output, rendered.image->bytes);
   return kDone;
 }
@@ -214,8 +235,9 @@ int render(const Arguments& arguments) {
 void add_options(CLI::App& command, Arguments& to) {
   RenderOptions& options = to.options;
   command
-      .add_option("input", to.input,
-                  "REQUEST.json, MODEL.glb, .gltf, .obj, .stl or .ply, or - for standard input")
+      .add_option(
+          "input", to.input,
+          "REQUEST.json, MODEL.glb, .gltf, .obj, .stl, .ply or .zip, a bundle, or - for standard input")
       ->required();
   command
       .add_option(

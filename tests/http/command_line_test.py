@@ -45,6 +45,20 @@ class CommandLine(Case):
             with open(os.path.join(folder, "out.exr"), "rb") as file:
                 self.assertEqual(file.read(4), b"\x76\x2f\x31\x01")
 
+    def test_an_archive_is_a_model(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with zipfile.ZipFile(os.path.join(folder, "quad.zip"), "w") as archive:
+                for name, content in support.textured_quad().items():
+                    archive.writestr(f"quad/{name}", content)
+                    with open(os.path.join(folder, name), "wb") as file:
+                        file.write(content)
+            pictures = []
+            for model in ("quad.zip", "quad.gltf"):
+                self.run_furnace("render", model, "-o", "out.png", "--width", "40", "--height", "30", "--samples", "1", folder=folder)
+                with open(os.path.join(folder, "out.png"), "rb") as file:
+                    pictures.append(support.read_png(file.read())[3])
+            self.assertEqual(*pictures)
+
     def test_a_turntable_in_every_container(self):
         with tempfile.TemporaryDirectory() as folder:
             for name, content in support.textured_quad().items():

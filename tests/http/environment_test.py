@@ -15,15 +15,9 @@ import http_support as support
 from http_support import Case, Server, small
 
 
-def write_hdr(width, height, pixel):
-    """RGBE without run lengths; pixel(x, y) -> (r, g, b, e) bytes."""
-    rows = b"".join(bytes(pixel(x, y)) for y in range(height) for x in range(width))
-    return f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n".encode() + rows
-
-
 def sky(seed=0):
     """Grey above, brown below, and a bright spot."""
-    return write_hdr(64, 32, lambda x, y: (200, 180, 160 + seed, 140) if (x, y) == (9, 9)
+    return support.write_hdr(64, 32, lambda x, y: (200, 180, 160 + seed, 140) if (x, y) == (9, 9)
                      else ((128, 128, 128, 128) if y < 16 else (90, 60, 40, 127)))
 
 

@@ -188,6 +188,12 @@ def read_png(data):
 # --- glTF -------------------------------------------------------------------------------------------------------------
 
 
+def write_hdr(width, height, pixel):
+    """RGBE without run lengths; pixel(x, y) -> (r, g, b, e) bytes."""
+    rows = b"".join(bytes(pixel(x, y)) for y in range(height) for x in range(width))
+    return f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n".encode() + rows
+
+
 def textured_quad(change=lambda document: None):
     """A quad that faces +Z with a texture, as {file name: bytes}: quad.gltf, quad.bin and red.png."""
     positions = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
