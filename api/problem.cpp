@@ -48,13 +48,14 @@ StatusRow status_row(ErrorCode code) {
 }  // namespace
 
 std::string blank_problem_json(int status, std::string_view title, std::string_view detail,
-                               std::string_view request_id) {
-  return nlohmann::ordered_json{{"type", "about:blank"},
-                                {"title", title},
-                                {"status", status},
-                                {"detail", detail},
-                                {"instance", request_id}}
-      .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+                               std::string_view request_id, std::string_view trace_id) {
+  nlohmann::ordered_json problem{{"type", "about:blank"},
+                                 {"title", title},
+                                 {"status", status},
+                                 {"detail", detail},
+                                 {"instance", request_id}};
+  if (!trace_id.empty()) problem["traceId"] = trace_id;
+  return problem.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 int http_status(ErrorCode code) {
@@ -65,7 +66,7 @@ std::string_view problem_title(ErrorCode code) {
   return status_row(code).title;
 }
 
-std::string problem_json(const Error& error, std::string_view request_id) {
+std::string problem_json(const Error& error, std::string_view request_id, std::string_view trace_id) {
   const StatusRow row = status_row(error.code);
   nlohmann::ordered_json problem;
   problem["type"] = "/problems/" + std::string(error_code_name(error.code));
@@ -73,6 +74,7 @@ std::string problem_json(const Error& error, std::string_view request_id) {
   problem["status"] = row.status;
   problem["detail"] = error.message;
   if (!request_id.empty()) problem["instance"] = request_id;
+  if (!trace_id.empty()) problem["traceId"] = trace_id;
   if (!error.pointer.empty()) problem["pointer"] = error.pointer;
   for (const Problem& fault : error.problems)
     problem["errors"].push_back({{"pointer", fault.pointer}, {"detail", fault.message}});

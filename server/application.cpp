@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "renderer/base/error.hpp"
 #include "renderer/base/log.hpp"
 #include "server/build_id.hpp"
+#include "server/even_time.hpp"
 
 namespace furnace {
 namespace {
@@ -66,6 +68,7 @@ HttpConfig http_config(const Config& config, std::string_view listen, int thread
   out.keep_alive = milliseconds(config.keep_alive_ms);
   out.io.header_timeout = milliseconds(config.header_timeout_ms);
   out.io.io_timeout = milliseconds(config.io_timeout_ms);
+  out.hsts_max_age = milliseconds(config.hsts_max_age_ms);
   return out;
 }
 
@@ -135,6 +138,7 @@ AssetStoreConfig asset_store_config(const Config& config) {
   out.largest_bytes = config.max_asset_bytes;
   out.budget_bytes = config.asset_store_bytes;
   out.ttl = milliseconds(config.asset_ttl_ms);
+  out.now = [] { return std::chrono::file_clock::from_sys(even_now()); };
   out.partial_ttl = milliseconds(config.partial_ttl_ms);
   out.memory_bytes = config.file_cache_bytes;
   return out;
@@ -170,6 +174,11 @@ api::RequestLimits request_limits(const Config& config) {
   limits.max_sequence_px = config.max_sequence_px;
   limits.max_json_bytes = config.max_json_bytes;
   return limits;
+}
+
+std::unique_ptr<TlsCertificate> tls_certificate(const Config& config) {
+  if (config.tls_certificate.empty()) return nullptr;
+  return std::make_unique<TlsCertificate>(TlsFiles{config.tls_certificate, config.tls_key});
 }
 
 Engine::Engine(const Config& config, std::vector<std::filesystem::path> file_roots)
@@ -227,6 +236,7 @@ Application::Application(const Config& config)
       job_doors_(jobs_, job_runner_, config_.event_streams, AllowList(config_.webhook_allow)),
       public_dispatcher_(public_routes(doors_, config_.admin_listen.empty()), metrics_, &gate_),
       admin_dispatcher_(operation_routes(doors_, true), metrics_),
+      tls_(tls_certificate(config_)),
       admin_server_(
           config_.admin_listen.empty()
               ? nullptr
@@ -236,7 +246,7 @@ Application::Application(const Config& config)
       server_(
           http_config(config_, config_.listen,
                       engine_.admission.seats() + config_.queue + config_.event_streams + kRefusingThreads),
-          public_dispatcher_, metrics_) {}
+          public_dispatcher_, metrics_, tls_.get()) {}
 
 void Application::start() {
   if (admin_server_) admin_server_->start();
@@ -260,14 +270,18 @@ bool Application::hangs() const {
   return config_.gl_watchdog_ms > 0 && engine_.renderer.overdue() > milliseconds(config_.gl_watchdog_ms);
 }
 
-void Application::reload_keys() {
-  try {
-    gate_.reload();
-    if (webhooks_) webhooks_->reload();
-    log::info("keys.reloaded");
-  } catch (const Error& error) {
-    log::error("keys.kept", {{"message", error.message}, {"detail", error.detail}});
-  }
+void Application::reload() {
+  const auto attempt = [](std::string_view what, const std::function<void()>& renew) {
+    try {
+      renew();
+      log::info(fmt::format("{}.reloaded", what));
+    } catch (const Error& error) {
+      log::error(fmt::format("{}.kept", what), {{"message", error.message}, {"detail", error.detail}});
+    }
+  };
+  attempt("keys", [this] { gate_.reload(); });
+  if (webhooks_) attempt("webhooks", [this] { webhooks_->reload(); });
+  if (tls_) attempt("tls", [this] { tls_->reload(); });
 }
 
 std::optional<int> Application::admin_port() const {

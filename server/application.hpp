@@ -21,6 +21,7 @@
 #include "server/remote_files.hpp"
 #include "server/render_service.hpp"
 #include "server/routes.hpp"
+#include "server/tls.hpp"
 #include "server/webhook_sender.hpp"
 
 namespace furnace {
@@ -60,8 +61,8 @@ class Application {
   // The GL thread hangs: only another process draws again.
   bool hangs() const;
 
-  // Takes the files of keys anew; what is wrong with them is logged, and the old keys stay.
-  void reload_keys();
+  // Takes the files of keys and of the certificate anew; what is wrong with them is logged, and what was in use stays.
+  void reload();
 
   int port() const { return server_.port(); }
   std::optional<int> admin_port() const;
@@ -82,9 +83,13 @@ class Application {
   JobDoors job_doors_;
   const Dispatcher public_dispatcher_;
   const Dispatcher admin_dispatcher_;
-  std::unique_ptr<HttpServer> admin_server_;  // null without admin_listen
+  const std::unique_ptr<TlsCertificate> tls_;  // null: plain HTTP
+  std::unique_ptr<HttpServer> admin_server_;   // null without admin_listen
   HttpServer server_;
 };
+
+// Null when none is set. Errors: those of TlsCertificate.
+std::unique_ptr<TlsCertificate> tls_certificate(const Config& config);
 
 // A request's limits as configured.
 api::RequestLimits request_limits(const Config& config);

@@ -184,7 +184,7 @@ Reply out_of_turn(const AssetStore& store, const Request& request, const Content
           : fmt::format("{} bytes are there, so the next ones begin at {}.", received, received);
   return tell_received({409,
                         std::string(api::kProblemMediaType),
-                        api::blank_problem_json(409, "Conflict", detail, request.id),
+                        api::blank_problem_json(409, "Conflict", detail, request.id, request.trace.trace_id),
                         {}},
                        received);
 }
@@ -257,7 +257,8 @@ Reply erase(AssetStore& store, const Request& request) {
   if (entry && !may_erase(request.client, *entry)) {
     return {403,
             std::string(api::kProblemMediaType),
-            api::blank_problem_json(403, "Forbidden", "Another key has uploaded this asset.", request.id),
+            api::blank_problem_json(403, "Forbidden", "Another key has uploaded this asset.", request.id,
+                                    request.trace.trace_id),
             {}};
   }
   if (!store.erase(hash)) fail_unknown();

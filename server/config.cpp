@@ -145,6 +145,8 @@ void check_together(LoadedConfig& loaded) {
   if (config.determinism == "exact" && config.device != "auto" && config.device != "software") {
     loaded.problems.push_back("determinism: exact is drawn in software; device must be auto or software");
   }
+  if (config.tls_certificate.empty() != config.tls_key.empty())
+    loaded.problems.push_back("tls-certificate and tls-key: one is of no use without the other");
   if (const std::string fault = Cors::fault(config.cors_origins); !fault.empty())
     loaded.problems.push_back("cors-origins: " + fault);
   check_outbound(loaded);

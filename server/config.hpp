@@ -88,6 +88,8 @@ struct Config {
   std::string api_keys_file;  // empty: whoever reaches the server may use it
   std::string cors_origins;   // separated by commas
   std::string allow_anonymous = "off";
+  std::string tls_certificate, tls_key;  // files; empty: plain HTTP
+  std::int64_t hsts_max_age_ms = 365ll * 24 * 3600 * 1000;
 
   int max_connections = 256;           // waiting for a thread; those beyond are refused
   std::int64_t keep_alive_ms = 1'000;  // an idle connection holds a thread

@@ -14,7 +14,7 @@ namespace furnace {
 struct Webhook {
   std::string url;          // allowed when it was asked for
   std::string origin;       // of the URL: what is slow or gone is so as a whole
-  std::string traceparent;  // of the request that made the job, or ""
+  std::string traceparent;  // the trace and our span of the request that made the job
 };
 
 enum class DeliveryStatus { kWaiting, kPending, kDelivered, kFailed };  // kWaiting: for the job's end

@@ -74,6 +74,10 @@ std::string_view phrase(int status) {
   }
 }
 
+log::Origin origin_of(const Request& request) {
+  return {request.id, request.trace.trace_id, request.trace.span_id};
+}
+
 // What a key opened is for its holder, not for a proxy that asks nobody for keys.
 void keep_from_shared_caches(Reply& reply) {
   constexpr std::string_view kPublic = "public,";
@@ -106,7 +110,7 @@ Dispatcher::Dispatcher(std::vector<Route> routes, Metrics& metrics, Gate* gate)
     : routes_(std::move(routes)), metrics_(metrics), gate_(gate) {}
 
 Reply Dispatcher::handle(Request request) const {
-  const log::RequestScope scope(request.id);
+  const log::RequestScope scope(origin_of(request));
   const auto start = Clock::now();
   metrics_.requests_in_flight.Increment();
   std::string_view route = kNoRoute;
@@ -126,6 +130,7 @@ Reply Dispatcher::handle(Request request) const {
             {{"method", request.method},
              {"path", request.path},
              {"client", entry.client.name},
+             {"parent_span_id", request.trace.parent_id},
              {"status", reply.status},
              {"ms", seconds * 1e3},
              {"bytes_in", request.body.size()},
@@ -201,7 +206,10 @@ std::string Dispatcher::allowed_methods(std::string_view path) const {
 Reply Dispatcher::problem(const Request& request, const Error& error) const {
   const int status = api::http_status(error.code);
   log_error(error, status);
-  Reply reply{status, std::string(api::kProblemMediaType), api::problem_json(error, request.id), {}};
+  Reply reply{status,
+              std::string(api::kProblemMediaType),
+              api::problem_json(error, request.id, request.trace.trace_id),
+              {}};
   if (error.code == ErrorCode::kMethodNotAllowed) reply.with("Allow", allowed_methods(request.path));
   if (error.code == ErrorCode::kOverloaded) reply.with("Retry-After", std::string(kRetryBusySeconds));
   if (error.code == ErrorCode::kGpuUnavailable) reply.with("Retry-After", std::string(kRetryDownSeconds));
@@ -212,6 +220,7 @@ Reply Dispatcher::problem(const Request& request, const Error& error) const {
 // On every reply: nothing of ours is a document that may run or fetch anything.
 void Dispatcher::add_common_headers(Reply& reply, const Request& request) const {
   if (!request.id.empty()) reply.with("X-Request-Id", request.id);
+  if (!request.trace.trace_id.empty()) reply.with("traceresponse", request.trace.text());
   reply.with("X-Content-Type-Options", "nosniff");
   reply.with("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'");
   const auto is_policy = [](const auto& header) { return header.first == "Cross-Origin-Resource-Policy"; };
@@ -224,12 +233,13 @@ Reply Dispatcher::refused(const Request& request, const Refusal& refusal) const 
   log::info("request.refused", {{"status", refusal.status}, {"detail", refusal.detail}});
   return {refusal.status,
           std::string(api::kProblemMediaType),
-          api::blank_problem_json(refusal.status, phrase(refusal.status), refusal.detail, request.id),
+          api::blank_problem_json(refusal.status, phrase(refusal.status), refusal.detail, request.id,
+                                  request.trace.trace_id),
           {}};
 }
 
 Reply Dispatcher::refuse(const Request& request, const Refusal& refusal) const {
-  const log::RequestScope scope(request.id);
+  const log::RequestScope scope(origin_of(request));
   metrics_.observe_request(kNoRoute, refusal.status, 0);
   Reply reply;
   if (refusal.error) {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "renderer/base/error.hpp"
-#include "renderer/base/file.hpp"
+#include "server/upload_file.hpp"
 
 namespace furnace {
 namespace {
@@ -38,7 +38,9 @@ std::vector<fs::path> roots(const fs::path& folder) {
 EnvironmentFiles::EnvironmentFiles(fs::path folder, std::int64_t budget_bytes)
     : folder_(std::move(folder)),
       budget_bytes_(budget_bytes),
-      on_disk_(roots(folder_), budget_bytes, budget_bytes) {}
+      on_disk_(roots(folder_), budget_bytes, budget_bytes) {
+  if (!folder_.empty()) UploadFile::remove_abandoned(folder_);
+}
 
 std::map<std::string, std::int64_t> EnvironmentFiles::sizes() const {
   std::map<std::string, std::int64_t> sizes;
@@ -78,10 +80,9 @@ bool EnvironmentFiles::put(const std::string& name, const Blob& file) {
     in_memory_.insert_or_assign(name, file);
     return is_new;
   }
-  std::error_code wrong;
-  fs::create_directories(folder_, wrong);
-  if (wrong) fail(ErrorCode::kStorage, "the folder for environments cannot be made", {}, wrong.message());
-  write_file_atomically(folder_ / (name + kEnding), file.text());
+  UploadFile coming(folder_);
+  coming.append(file.text());
+  coming.publish(folder_ / (name + kEnding));
   return is_new;
 }
 

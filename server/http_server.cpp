@@ -38,7 +38,7 @@ using std::chrono::milliseconds;
 constexpr int kBacklog = 512;  // the library's own is 5
 constexpr int kMaxRequestsPerConnection = 1000;
 constexpr milliseconds kWatchPeriod{100};  // how soon a client's leaving is seen
-constexpr milliseconds kLinger{1000};
+constexpr milliseconds kLinger{1000}, kHurriedLinger{100};
 constexpr std::int64_t kChunkOverhead = 64 << 10;
 
 // One request as it passes through the library's hooks, on the stack of its connection's thread.
@@ -48,6 +48,7 @@ struct Exchange {
   Request request = {};
   Framing framing = {};
   bool head_complete = false;
+  bool takes_interim = false;  // RFC 9110 section 15.2: clients of HTTP/1.0 know no 1xx
   bool replied = false;
   bool close = false;     // the connection cannot carry another request
   bool unwanted = false;  // the body is not read
@@ -125,7 +126,7 @@ class BoundedPool : public httplib::ThreadPool {
 }  // namespace
 
 struct HttpServer::State : private httplib::Server {
-  State(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics);
+  State(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics, const TlsCertificate* tls);
 
   void start();
   void stop_serving(milliseconds drain);
@@ -150,6 +151,7 @@ struct HttpServer::State : private httplib::Server {
   const HttpConfig config_;
   const Dispatcher& dispatcher_;
   Metrics& metrics_;
+  const TlsCertificate* const tls_;
   const std::string too_many_connections_;
   BoundedPool* pool_ = nullptr;  // the library owns it while it listens
   InFlight in_flight_;
@@ -161,10 +163,12 @@ struct HttpServer::State : private httplib::Server {
   std::thread accept_thread_;
 };
 
-HttpServer::State::State(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics)
+HttpServer::State::State(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics,
+                         const TlsCertificate* tls)
     : config_(config),
       dispatcher_(dispatcher),
       metrics_(metrics),
+      tls_(tls),
       too_many_connections_(raw_response(dispatcher.overloaded())) {
   install_hooks();
   bind();
@@ -218,17 +222,21 @@ void HttpServer::State::install_hooks() {
            out);
     return HandlerResponse::Handled;
   }));
-  set_post_routing_handler([](const httplib::Request&, httplib::Response& out) {
-    out.headers.erase("Accept-Ranges");
-    if (out.status == 304)
-      out.headers.erase("Content-Length");  // the picture's is not known (RFC 9110 section 15.4.5)
-    if (current_exchange->close) {
-      out.headers.erase("Keep-Alive");
-      out.headers.erase("Connection");
-      out.set_header("Connection", "close");
-    }
-    out.set_header("Date", http_date());
-  });
+  const auto hsts_s = std::chrono::duration_cast<std::chrono::seconds>(config_.hsts_max_age).count();
+  set_post_routing_handler(
+      [says_hsts = tls_ != nullptr && hsts_s > 0, hsts = fmt::format("max-age={}", hsts_s)](
+          const httplib::Request&, httplib::Response& out) {
+        if (says_hsts) out.set_header("Strict-Transport-Security", hsts);
+        out.headers.erase("Accept-Ranges");
+        if (out.status == 304)
+          out.headers.erase("Content-Length");  // the picture's is not known (RFC 9110 section 15.4.5)
+        if (current_exchange->close) {
+          out.headers.erase("Keep-Alive");
+          out.headers.erase("Connection");
+          out.set_header("Connection", "close");
+        }
+        out.set_header("Date", http_date());
+      });
 }
 
 void HttpServer::State::start() {
@@ -291,6 +299,7 @@ bool HttpServer::State::process_and_close_socket(socket_t socket) {
 
 void HttpServer::State::refuse_connection(int socket) {
   metrics_.connections_refused.Increment();
+  if (tls_ != nullptr) return;  // no keys to say it with
   SocketIo io(socket, config_.io);
   io.write(too_many_connections_.data(),
            too_many_connections_.size());  // fits the empty send buffer: no waiting here
@@ -298,12 +307,12 @@ void HttpServer::State::refuse_connection(int socket) {
 }
 
 void HttpServer::State::serve_connection(int socket) {
-  SocketIo io(socket, config_.io);
+  SocketIo io(socket, config_.io, tls_ ? tls_->session(socket) : nullptr);
   const auto opened = Clock::now();
   const auto too_late = [this, opened] {
     return stopping_ || (pool_->under_pressure() && Clock::now() - opened > std::chrono::seconds(1));
   };
-  bool more = io.wait_for_request(config_.io.header_timeout, too_late);
+  bool more = io.handshake(too_late) && io.wait_for_request(config_.io.header_timeout, too_late);
   for (int left = kMaxRequestsPerConnection - 1; more && serve_request(io, left == 0); --left) {
     more = io.wait_for_request(config_.keep_alive, [this] { return stopping_ || pool_->under_pressure(); });
   }
@@ -321,13 +330,15 @@ bool HttpServer::State::serve_request(SocketIo& io, bool last) {
       process_request(stream, last, closed_by_header,
                       [this, &exchange](httplib::Request& head) { receive_head(head, exchange); });
   if (!exchange.replied) refuse_without_head(exchange);
-  if (exchange.replied && (exchange.close || !exchange.head_complete)) io.linger(kLinger);
+  if (exchange.replied && (exchange.close || !exchange.head_complete))
+    io.linger(pool_->under_pressure() ? kHurriedLinger : kLinger);
   return written && exchange.head_complete && !exchange.close && !closed_by_header && !last;
 }
 
 // Takes what we need from a head, then leaves the library only what it must know to read the body.
 void HttpServer::State::receive_head(httplib::Request& head, Exchange& exchange) {
   exchange.head_complete = true;
+  exchange.takes_interim = head.version == "HTTP/1.1";
   Request& request = exchange.request;
   request.method = head.method;
   request.path = head.path;
@@ -336,6 +347,7 @@ void HttpServer::State::receive_head(httplib::Request& head, Exchange& exchange)
   request.headers = joined_headers(head.headers);
   request.id =
       is_sane_request_id(request.header("X-Request-Id")) ? request.headers["X-Request-Id"] : new_request_id();
+  request.trace = trace_of(request.header("traceparent"));
   const Incoming incoming = dispatcher_.receive(request);
   const std::int64_t max_body_bytes = incoming.max_bytes > 0 ? incoming.max_bytes : config_.max_body_bytes;
   request.sink = incoming.sink;
@@ -379,7 +391,7 @@ bool HttpServer::State::receive_body(const httplib::ContentReader& reader, Excha
 }
 
 void HttpServer::State::answer(Exchange& exchange, httplib::Response& out) {
-  const InFlight::Entry entry(in_flight_, exchange.io.socket());
+  const InFlight::Entry entry(in_flight_, exchange.io, exchange.takes_interim);
   exchange.request.deadline = Deadline(config_.timeout, entry.token());
   fill(out, dispatcher_.handle(std::move(exchange.request)));
   exchange.drop_body();
@@ -405,8 +417,9 @@ void HttpServer::State::refuse_without_head(Exchange& exchange) {
   exchange.replied = exchange.io.write(text.data(), text.size());
 }
 
-HttpServer::HttpServer(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics)
-    : state_(std::make_unique<State>(config, dispatcher, metrics)) {}
+HttpServer::HttpServer(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics,
+                       const TlsCertificate* tls)
+    : state_(std::make_unique<State>(config, dispatcher, metrics, tls)) {}
 HttpServer::~HttpServer() {
   state_->stop_serving(milliseconds(0));
 }

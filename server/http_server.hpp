@@ -21,15 +21,17 @@ struct HttpConfig {
   std::chrono::milliseconds timeout{30'000};    // a request's Deadline, from its last byte on
   std::chrono::milliseconds keep_alive{1'000};
   IoLimits io;
+  std::chrono::milliseconds hsts_max_age{0};  // RFC 6797; 0: not said
 };
 
 // Threads: its own; the members are for one owner thread.
 // Owns: the sockets, the threads that accept and serve, and the Deadlines of requests in flight.
 class HttpServer {
  public:
-  // Binds and listens. Errors: kStorage when the address cannot be had. `dispatcher` and `metrics` outlive
-  // the server.
-  HttpServer(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics);
+  // Binds and listens. Errors: kUnprocessable when the address cannot be had. `dispatcher`, `metrics` and `tls` outlive
+  // the server; without `tls` it speaks plain HTTP.
+  HttpServer(const HttpConfig& config, const Dispatcher& dispatcher, Metrics& metrics,
+             const TlsCertificate* tls = nullptr);
   ~HttpServer();  // stop(0)
 
   int port() const;

@@ -15,6 +15,7 @@
 #include "renderer/base/deadline.hpp"
 #include "server/access.hpp"
 #include "server/file_body.hpp"
+#include "server/trace_context.hpp"
 
 namespace furnace {
 
@@ -53,6 +54,7 @@ struct Request {
   std::string body;
   std::shared_ptr<BodySink> sink;  // has taken the body instead, all of it; null: it is in `body`
   std::string id;                  // request id: goes into the log, the reply and problem documents
+  TraceContext trace;              // likewise
   Deadline deadline;
   Client client = {};
 

@@ -1,12 +1,11 @@
 #include "server/in_flight.hpp"
 
-#include <vector>
-
 #include "server/socket_io.hpp"
 
 namespace furnace {
 
-InFlight::Entry::Entry(InFlight& owner, int socket) : owner_(owner), socket_(socket) {
+InFlight::Entry::Entry(InFlight& owner, SocketIo& io, bool takes_interim)
+    : owner_(owner), io_(io), takes_interim_(takes_interim) {
   const std::lock_guard lock(owner_.mutex_);
   place_ = owner_.entries_.insert(owner_.entries_.end(), this);
 }
@@ -18,14 +17,9 @@ InFlight::Entry::~Entry() {
 
 int InFlight::cancel_abandoned() {
   const std::lock_guard lock(mutex_);
-  std::vector<int> sockets;
-  for (const Entry* entry : entries_) sockets.push_back(entry->socket_);
-  const std::vector<bool> gone = hung_up(sockets);
   int cancelled = 0;
-  std::size_t i = 0;
-  for (Entry* entry : entries_) {
-    if (gone[i++] && entry->stop_.request_stop()) ++cancelled;
-  }
+  for (Entry* entry : entries_)
+    if (!entry->io_.client_listens(entry->takes_interim_) && entry->stop_.request_stop()) ++cancelled;
   return cancelled;
 }
 

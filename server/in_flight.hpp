@@ -7,13 +7,15 @@
 
 namespace furnace {
 
+class SocketIo;
+
 // Threads: any. Owns: the stop sources of the requests' Deadlines.
 class InFlight {
  public:
-  // One request; removes itself. `socket` stays open as long.
+  // One request; removes itself. Nobody else uses `io` as long; `takes_interim` as SocketIo::client_listens.
   class Entry {
    public:
-    Entry(InFlight& owner, int socket);
+    Entry(InFlight& owner, SocketIo& io, bool takes_interim);
     ~Entry();
     Entry(const Entry&) = delete;
     Entry& operator=(const Entry&) = delete;
@@ -22,7 +24,8 @@ class InFlight {
    private:
     friend class InFlight;
     InFlight& owner_;
-    int socket_;
+    SocketIo& io_;
+    const bool takes_interim_;
     std::stop_source stop_;
     std::list<Entry*>::iterator place_;
   };

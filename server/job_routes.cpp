@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "renderer/base/error.hpp"
+#include "renderer/base/log.hpp"
 #include "api/stored_render.hpp"
 #include "server/job_document.hpp"
 #include "server/negotiation.hpp"
@@ -80,9 +81,8 @@ std::optional<Webhook> webhook_of(const Request& request, const AllowList& allow
   if (!allowed.allows(*url))
     fail(ErrorCode::kUnprocessable,
          fmt::format("{}: this host is not among those that the server may call.", kWebhook));
-  const std::string_view trace = request.header("traceparent");
   return Webhook{url->text, fmt::format("{}://{}:{}", url->scheme, url->host, url->port),
-                 is_traceparent(trace) ? std::string(trace) : std::string()};
+                 request.trace.text()};
 }
 
 // HTML, 9.2: server-sent events. One whenever something has changed, the last one when the job is finished.
@@ -146,6 +146,7 @@ Reply JobDoors::accept(const Request& request) {
                           idempotency_key(request),
                           webhook_of(request, webhooks_)};
   const JobStore::Created created = store_.create(wanted, unix_time_ms());
+  log::info("job.accepted", {{"id", created.job.id}, {"is_new", created.is_new}});
   if (created.is_new) runner_.wake();
   return reply_of(202, created.job).with("Preference-Applied", "respond-async");
 }

@@ -1,10 +1,12 @@
 #include "server/job_runner.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "renderer/base/error.hpp"
 #include "renderer/base/log.hpp"
 #include "api/problem.hpp"
+#include "server/even_time.hpp"
 
 namespace furnace {
 
@@ -12,12 +14,12 @@ namespace {
 
 // Also how soon a job is tried again for which there was no seat, and a disk that failed.
 constexpr std::chrono::milliseconds kPause{500};
+constexpr std::chrono::minutes kQuiet{1};  // between two lines about the disk
 
 }  // namespace
 
 std::int64_t unix_time_ms() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+  return std::chrono::duration_cast<std::chrono::milliseconds>(even_now().time_since_epoch()).count();
 }
 
 JobRunner::JobRunner(JobStore& store, Work work, const JobRunnerConfig& config, std::function<void()> ended)
@@ -56,17 +58,28 @@ void JobRunner::run_thread() {
   while (!stopping_) {
     woken_ = false;
     lock.unlock();
-    bool worked = false;
-    try {
-      worked = run_next();
-    } catch (const Error& error) {
-      log::error("jobs.failed", {{"message", error.message}, {"detail", error.detail}});
-    } catch (const std::exception& error) {
-      log::error("jobs.failed", {{"detail", error.what()}});
-    }
+    const bool worked = tries([this] { return run_next(); });
     lock.lock();
     if (!worked) changed_.wait_for(lock, kPause, [this] { return stopping_ || woken_; });
   }
+}
+
+// Whether `step` was done; what hinders it is logged.
+bool JobRunner::tries(const std::function<bool()>& step) {
+  Error hindrance;
+  try {
+    return step();
+  } catch (const Error& error) {
+    hindrance = error;
+  } catch (const std::exception& stray) {
+    hindrance.detail = stray.what();
+  }
+  const std::lock_guard lock(mutex_);
+  const auto now = Clock::now();
+  if (now >= quiet_until_)
+    log::error("jobs.failed", {{"message", hindrance.message}, {"detail", hindrance.detail}});
+  quiet_until_ = std::max(quiet_until_, now + kQuiet);
+  return false;
 }
 
 // False when there was nothing to do, or no room to do it.
@@ -81,18 +94,15 @@ bool JobRunner::run_next() {
   }
   bool worked = true;
   try {
-    run(*work, stop.get_token());
+    const std::string result = run(*work, stop.get_token());
+    keep([&] { store_.succeed(work->id, result, unix_time_ms()); });
+    log::info("job.done", {{"id", work->id}});
   } catch (const Error& error) {
-    bool ends = error.code == ErrorCode::kOverloaded;  // interactive requests go first
-    worked = !ends;
-    {
-      const std::lock_guard lock(mutex_);
-      ends = ends || stopping_;
-    }
-    if (ends) {
-      store_.put_back(work->id);
+    worked = error.code != ErrorCode::kOverloaded;  // interactive requests go first
+    if (!worked || is_stopping()) {
+      keep([&] { store_.put_back(work->id); });
     } else {
-      store_.fail(work->id, api::problem_json(error, work->id), unix_time_ms());
+      keep([&] { store_.fail(work->id, api::problem_json(error, work->id), unix_time_ms()); });
     }
   }
   ended_();
@@ -101,13 +111,31 @@ bool JobRunner::run_next() {
   return worked;
 }
 
-void JobRunner::run(const JobWork& work, std::stop_token cancel) {
-  const log::RequestScope scope(work.id);
+// What a job has come to is not lost to a disk that is full for a while: until it is kept, the job runs. It is drawn again if
+// the process ends first.
+void JobRunner::keep(const std::function<void()>& write) {
+  const auto step = [&] {
+    write();
+    return true;
+  };
+  while (!tries(step)) {
+    std::unique_lock lock(mutex_);
+    if (changed_.wait_for(lock, kPause, [this] { return stopping_; })) return;
+  }
+}
+
+bool JobRunner::is_stopping() {
+  const std::lock_guard lock(mutex_);
+  return stopping_;
+}
+
+// Errors: those of the work; what is thrown otherwise becomes one.
+std::string JobRunner::run(const JobWork& work, std::stop_token cancel) {
+  const log::RequestScope scope({work.id, {}, {}});
   log::info("job.begin", {{"id", work.id}});
   const auto progress = [&](int done, int of) { store_.tell_progress(work.id, done, of); };
   try {
-    const std::string result = work_(work.request, Deadline(config_.timeout, std::move(cancel)), progress);
-    store_.succeed(work.id, result, unix_time_ms());
+    return work_(work.request, Deadline(config_.timeout, std::move(cancel)), progress);
   } catch (const Error&) {
     throw;
   } catch (const std::exception& stray) {
@@ -115,7 +143,6 @@ void JobRunner::run(const JobWork& work, std::stop_token cancel) {
                   "The server made a mistake; its log has the details under this job's id.", {},
                   stray.what());
   }
-  log::info("job.done", {{"id", work.id}});
 }
 
 }  // namespace furnace

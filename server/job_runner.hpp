@@ -21,7 +21,7 @@ struct JobRunnerConfig {
   std::chrono::milliseconds timeout{600'000};  // of one job, once it has begun
 };
 
-std::int64_t unix_time_ms();
+std::int64_t unix_time_ms();  // as even_now
 
 // Threads: any. Owns: its threads; the store outlives it. What runs when it ends waits again.
 class JobRunner {
@@ -41,8 +41,11 @@ class JobRunner {
 
  private:
   void run_thread();
+  bool tries(const std::function<bool()>& step);
   bool run_next();
-  void run(const JobWork& work, std::stop_token cancel);
+  void keep(const std::function<void()>& write);
+  bool is_stopping();
+  std::string run(const JobWork& work, std::stop_token cancel);
 
   JobStore& store_;
   const Work work_;
@@ -51,7 +54,8 @@ class JobRunner {
   std::mutex mutex_;  // of the members below
   std::condition_variable changed_;
   bool stopping_ = false;
-  bool woken_ = false;  // since somebody looked for work last
+  bool woken_ = false;               // since somebody looked for work last
+  Clock::time_point quiet_until_{};  // of what hinders
   std::map<std::string, std::stop_source> running_;
   std::vector<std::thread> threads_;
 };

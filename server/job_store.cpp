@@ -61,9 +61,14 @@ std::string_view name_of(JobStatus status) {
 // Threads: one at a time. Owns: the connection.
 struct JobStore::Database : Sqlite {
   explicit Database(const std::string& name) : Sqlite(name) {
-    if (const std::int64_t found = number_of("PRAGMA user_version"); found > kSchemaVersion)
-      furnace::fail(ErrorCode::kStorage,
+    const std::int64_t found = number_of("PRAGMA user_version");
+    if (found > kSchemaVersion)
+      furnace::fail(ErrorCode::kUnprocessable,
                     fmt::format("{} was written by a newer version of this program", name));
+    if (found == kSchemaVersion) {  // nothing is written to a disk that may be full
+      deliveries.emplace(*this);
+      return;
+    }
     run(kSchema);
     deliveries.emplace(*this);
     run(fmt::format("PRAGMA user_version={}", kSchemaVersion).c_str());
@@ -148,16 +153,31 @@ JobStore::JobStore(const std::filesystem::path& folder, const JobLimits& limits)
     database_ = std::make_unique<Database>(":memory:");
     return;
   }
-  database_ = std::make_unique<Database>((folder / "jobs.sqlite").string());
-  Sqlite::Transaction whole(*database_);
+  file_ = folder / "jobs.sqlite";
+  try {
+    const std::lock_guard lock(mutex_);
+    database();
+  } catch (const Error& error) {
+    if (error.code != ErrorCode::kStorage) throw;
+    log::error("jobs.not_opened", {{"path", file_.string()}, {"reason", error.detail}});
+  }
+}
+
+// A disk that was full when the process began may have room by now.
+JobStore::Database& JobStore::database() {
+  if (database_) return *database_;
+  auto opened = std::make_unique<Database>(file_.string());
+  Sqlite::Transaction whole(*opened);
   for (const std::string& id :
-       database_->ids_of("SELECT id FROM jobs WHERE status=1 AND attempts>=?", limits.max_attempts))
-    database_->finish(id, JobStatus::kFailed,
-                      R"({"type":"about:blank","title":"Internal Server Error","status":500,)"
-                      R"("detail":"The server ended several times while it drew this."})",
-                      database_->find("id", id)->created_ms);
-  database_->run("UPDATE jobs SET status=0, started_ms=0 WHERE status=1");
+       opened->ids_of("SELECT id FROM jobs WHERE status=1 AND attempts>=?", limits_.max_attempts))
+    opened->finish(id, JobStatus::kFailed,
+                   R"({"type":"about:blank","title":"Internal Server Error","status":500,)"
+                   R"("detail":"The server ended several times while it drew this."})",
+                   opened->find("id", id)->created_ms);
+  opened->run("UPDATE jobs SET status=0, started_ms=0 WHERE status=1");
   whole.commit();
+  database_ = std::move(opened);
+  return *database_;
 }
 
 JobStore::~JobStore() = default;
@@ -165,7 +185,7 @@ JobStore::~JobStore() = default;
 JobStore::Created JobStore::create(const JobRequest& request, std::int64_t now_ms) {
   trim(now_ms);
   const std::lock_guard lock(mutex_);
-  Database& db = *database_;
+  Database& db = database();
   Sqlite::Transaction whole(db);
   const std::string hash = hash_of(request);
   if (request.idempotency_key) {
@@ -212,7 +232,7 @@ JobStore::Created JobStore::create(const JobRequest& request, std::int64_t now_m
 
 std::optional<JobWork> JobStore::begin(std::int64_t now_ms) {
   const std::lock_guard lock(mutex_);
-  Database& db = *database_;
+  Database& db = database();
   Sqlite::Transaction whole(db);
   JobWork work;
   {
@@ -235,7 +255,7 @@ std::optional<JobWork> JobStore::begin(std::int64_t now_ms) {
 
 void JobStore::put_back(const std::string& id) {
   const std::lock_guard lock(mutex_);
-  Sqlite::Statement(*database_,
+  Sqlite::Statement(database(),
                     "UPDATE jobs SET status=0, started_ms=0, attempts=attempts-1 WHERE id=? AND status=1")
       .bind(std::string_view(id))
       .step();
@@ -244,14 +264,14 @@ void JobStore::put_back(const std::string& id) {
 
 void JobStore::tell_progress(const std::string& id, int frames_done, int frames) {
   const std::lock_guard lock(mutex_);
-  for (Database::Progress& progress : database_->progress)
+  for (Database::Progress& progress : database().progress)
     if (progress.id == id) progress = {id, frames_done, frames};
 }
 
 void JobStore::succeed(const std::string& id, std::string_view result, std::int64_t now_ms) {
   {
     const std::lock_guard lock(mutex_);
-    Database& db = *database_;
+    Database& db = database();
     std::erase_if(db.progress, [&](const auto& p) { return p.id == id; });
     Sqlite::Transaction whole(db);
     if (!db.is_running(id) || !db.finish(id, JobStatus::kSucceeded, {}, now_ms)) return;
@@ -270,30 +290,31 @@ void JobStore::succeed(const std::string& id, std::string_view result, std::int6
 
 void JobStore::fail(const std::string& id, std::string_view problem, std::int64_t now_ms) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(database_->progress, [&](const auto& p) { return p.id == id; });
-  Sqlite::Transaction whole(*database_);
-  if (database_->is_running(id)) database_->finish(id, JobStatus::kFailed, problem, now_ms);
+  Database& db = database();
+  std::erase_if(db.progress, [&](const auto& p) { return p.id == id; });
+  Sqlite::Transaction whole(db);
+  if (db.is_running(id)) db.finish(id, JobStatus::kFailed, problem, now_ms);
   whole.commit();
 }
 
 std::optional<Job> JobStore::find(const std::string& id) {
   const std::lock_guard lock(mutex_);
-  std::optional<Job> job = database_->find("id", id);
-  for (const Database::Progress& progress : database_->progress)
+  std::optional<Job> job = database().find("id", id);
+  for (const Database::Progress& progress : database().progress)
     if (job && progress.id == id) job->frames_done = progress.done, job->frames = progress.of;
   return job;
 }
 
 std::optional<std::string> JobStore::result(const std::string& id) {
   const std::lock_guard lock(mutex_);
-  Sqlite::Statement statement(*database_, "SELECT file FROM results WHERE id=?");
+  Sqlite::Statement statement(database(), "SELECT file FROM results WHERE id=?");
   if (!statement.bind(std::string_view(id)).step()) return std::nullopt;
   return statement.text(0);
 }
 
 bool JobStore::remove(const std::string& id, std::int64_t now_ms) {
   const std::lock_guard lock(mutex_);
-  Database& db = *database_;
+  Database& db = database();
   Sqlite::Transaction whole(db);
   const std::optional<Job> job = db.find("id", id);
   if (!job) return false;
@@ -308,11 +329,13 @@ bool JobStore::remove(const std::string& id, std::int64_t now_ms) {
 
 std::optional<DeliveryWork> JobStore::begin_delivery(std::int64_t now_ms) {
   const std::lock_guard lock(mutex_);
+  if (!database_) return std::nullopt;
   return database_->deliveries->begin(now_ms);
 }
 
 std::optional<std::int64_t> JobStore::next_delivery_ms() {
   const std::lock_guard lock(mutex_);
+  if (!database_) return std::nullopt;
   return database_->deliveries->next_ms();
 }
 
@@ -333,17 +356,18 @@ void JobStore::finish_delivery(const std::string& id, DeliveryStatus status, std
 
 std::int64_t JobStore::unfinished_deliveries() {
   const std::lock_guard lock(mutex_);
-  return database_->deliveries->unfinished();
+  return database_ ? database_->deliveries->unfinished() : 0;
 }
 
 int JobStore::waiting() {
   const std::lock_guard lock(mutex_);
+  if (!database_) return 0;
   return int(database_->number_of("SELECT COUNT(*) FROM jobs WHERE status=0"));
 }
 
 void JobStore::trim(std::int64_t now_ms) {
   const std::lock_guard lock(mutex_);
-  Database& db = *database_;
+  Database& db = database();
   Sqlite::Transaction whole(db);
   const auto erase_each = [&](const char* sql, std::int64_t bound) {
     const std::vector<std::string> ids = db.ids_of(sql, bound);

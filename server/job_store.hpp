@@ -56,7 +56,7 @@ struct JobLimits {
 };
 
 // One SQLite database, FOLDER/jobs.sqlite, or in memory without a folder, or with one that cannot be written to: then the log
-// says so, and jobs end with the process. Every change is on the disk when its function returns.
+// says so, and jobs end with the process. A database that cannot be opened at first, on a full disk, is opened later. Every change is on the disk when its function returns.
 // Errors of all: kStorage.
 // Threads: any. Owns: the database; one object per folder and process.
 class JobStore {
@@ -104,7 +104,10 @@ class JobStore {
 
  private:
   struct Database;
-  std::mutex mutex_;  // of the database and what it prepares
+  Database& database();  // Errors: kStorage
+
+  std::filesystem::path file_;  // empty: in memory
+  std::mutex mutex_;            // of the database and what it prepares
   std::unique_ptr<Database> database_;
   const JobLimits limits_;
 };

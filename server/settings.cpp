@@ -181,6 +181,13 @@ constexpr std::array kSettings = {
          "documents then needs a key (furnace hash-key)"),
     text("allow-anonymous", &Config::allow_anonymous, Unit::kChoice,
          "on: listen to other machines even without API keys", "off|on"),
+    text("tls-certificate", &Config::tls_certificate, Unit::kText,
+         "file of the certificate and those that lead to its root, PEM; listen then speaks HTTPS; read again "
+         "on SIGHUP"),
+    text("tls-key", &Config::tls_key, Unit::kText,
+         "file of the certificate's key, PEM without a passphrase, not to be read by others"),
+    number("hsts-max-age", &Config::hsts_max_age_ms, Unit::kDuration, 0, 2 * 365ll * 24 * 3600 * kSecond,
+           "with TLS: for how long browsers are told to use nothing else for this host; 0: not told"),
     text("cors-origins", &Config::cors_origins, Unit::kText,
          "origins whose pages may call the API from a browser, separated by ','; '*': all"),
 

@@ -14,9 +14,25 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::size_t kBufferBytes = 16 << 10;
-constexpr milliseconds kSlice{50};            // how often a wait looks up
-constexpr milliseconds kHurriedHeader{1000};  // time for headers while others wait for a thread
+constexpr milliseconds kSlice{50};  // how often a wait looks up
+constexpr milliseconds kHurried{
+    1000};  // time for headers, and grace of a body, while others wait for a thread
 constexpr std::int64_t kMaxLingerBytes = 256ll << 20;
+constexpr std::string_view kSignOfLife = "HTTP/1.1 102 Processing\r\n\r\n";  // RFC 2518 section 10.1
+constexpr milliseconds kSignPeriod{1000};
+
+using Step = TlsSession::Step;
+
+// What a call on a socket that does not wait came to.
+TlsSession::Progress progress_of(ssize_t count, Step awaited) {
+  if (count > 0) return {Step::kMoved, static_cast<std::size_t>(count)};
+  const bool must_wait = count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR);
+  return {must_wait ? awaited : Step::kEnded, 0};
+}
+
+short event_of(Step step) {
+  return step == Step::kWantsOutput ? POLLOUT : POLLIN;
+}
 
 // True when the socket is ready (or broken: the next call on it tells).
 bool wait_ready(int socket, short events, milliseconds patience) {
@@ -26,8 +42,20 @@ bool wait_ready(int socket, short events, milliseconds patience) {
 
 }  // namespace
 
+bool SocketIo::handshake(const std::function<bool()>& give_up) {
+  if (!tls_) return true;
+  const auto end = Clock::now() + limits_.header_timeout;
+  do {
+    const Step step = tls_->handshake().step;
+    if (step == Step::kMoved) return true;
+    if (step == Step::kEnded) return false;
+    wait_ready(socket_, event_of(step), kSlice);
+  } while (Clock::now() < end && !give_up());
+  return false;
+}
+
 bool SocketIo::wait_for_request(milliseconds patience, const std::function<bool()>& give_up) {
-  if (next_ < buffer_.size()) return true;
+  if (next_ < buffer_.size() || (tls_ && tls_->has_unread())) return true;
   const auto end = Clock::now() + patience;
   do {
     if (wait_ready(socket_, POLLIN, std::min(kSlice, patience))) return true;
@@ -65,18 +93,28 @@ ssize_t SocketIo::read(char* out, std::size_t size) {
   return static_cast<ssize_t>(count);
 }
 
+TlsSession::Progress SocketIo::receive(char* out, std::size_t size) {
+  return tls_ ? tls_->read(out, size)
+              : progress_of(::recv(socket_, out, size, MSG_DONTWAIT), Step::kWantsInput);
+}
+
+TlsSession::Progress SocketIo::send(const char* data, std::size_t size) {
+  return tls_ ? tls_->write(data, size)
+              : progress_of(::send(socket_, data, size, MSG_DONTWAIT | MSG_NOSIGNAL), Step::kWantsOutput);
+}
+
 bool SocketIo::fill() {
   buffer_.resize(kBufferBytes);
   next_ = kBufferBytes;
   const auto waiting_since = Clock::now();
   for (;;) {
-    const ssize_t got = ::recv(socket_, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
-    if (got > 0) {
-      buffer_.resize(static_cast<std::size_t>(got));
+    const auto [step, got] = receive(buffer_.data(), buffer_.size());
+    if (step == Step::kMoved) {
+      buffer_.resize(got);
       next_ = 0;
       return true;
     }
-    if (got == 0 || (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)) {
+    if (step == Step::kEnded) {
       fault_ = ReadFault::kClosed;
       return false;
     }
@@ -84,19 +122,20 @@ bool SocketIo::fill() {
       fault_ = ReadFault::kTimeout;
       return false;
     }
-    wait_ready(socket_, POLLIN, kSlice);
+    wait_ready(socket_, event_of(step), kSlice);
   }
 }
 
 bool SocketIo::out_of_time() const {
+  if (!in_head_) return is_too_slow(begin_, received_bytes_);
   const auto now = Clock::now();
-  if (!in_head_) return now > slowest_end(begin_, received_bytes_);
-  return now > begin_ + limits_.header_timeout || (now > begin_ + kHurriedHeader && hurry_());
+  return now > begin_ + limits_.header_timeout || (now > begin_ + kHurried && hurry_());
 }
 
 // When a transfer that has come to `bytes` is too slow to be waited for.
-Clock::time_point SocketIo::slowest_end(Clock::time_point begin, std::int64_t bytes) const {
-  return begin + limits_.io_timeout + milliseconds(bytes * 1000 / limits_.min_bytes_per_s);
+bool SocketIo::is_too_slow(Clock::time_point begin, std::int64_t bytes) const {
+  const auto past_due = Clock::now() - begin - milliseconds(bytes * 1000 / limits_.min_bytes_per_s);
+  return past_due > limits_.io_timeout || (past_due > kHurried && hurry_ && hurry_());
 }
 
 bool SocketIo::write(const char* data, std::size_t size) {
@@ -104,24 +143,23 @@ bool SocketIo::write(const char* data, std::size_t size) {
   auto last_progress = begin;
   std::size_t sent = 0;
   while (sent < size) {
-    const ssize_t count = ::send(socket_, data + sent, size - sent, MSG_DONTWAIT | MSG_NOSIGNAL);
+    const auto [step, count] = send(data + sent, size - sent);
     const auto now = Clock::now();
-    if (count > 0) {
-      sent += static_cast<std::size_t>(count);
+    if (step == Step::kMoved) {
+      sent += count;
       last_progress = now;
       continue;
     }
-    if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) return false;
-    if (now - last_progress > limits_.io_timeout ||
-        now > slowest_end(begin, static_cast<std::int64_t>(sent))) {
+    if (step == Step::kEnded) return false;
+    if (now - last_progress > limits_.io_timeout || is_too_slow(begin, static_cast<std::int64_t>(sent)))
       return false;
-    }
-    wait_ready(socket_, POLLOUT, kSlice);
+    wait_ready(socket_, event_of(step), kSlice);
   }
   return true;
 }
 
 void SocketIo::linger(milliseconds patience) {
+  if (tls_) tls_->end();
   ::shutdown(socket_, SHUT_WR);
   const auto end = Clock::now() + patience;
   std::array<char, kBufferBytes> sink;
@@ -134,13 +172,15 @@ void SocketIo::linger(milliseconds patience) {
   } while (Clock::now() < end && swallowed < kMaxLingerBytes);
 }
 
-std::vector<bool> hung_up(std::span<const int> sockets) {
-  std::vector<pollfd> entries;
-  for (const int socket : sockets) entries.push_back({socket, POLLRDHUP, 0});
-  std::vector<bool> gone(sockets.size(), false);
-  if (::poll(entries.data(), entries.size(), 0) <= 0) return gone;
-  for (std::size_t i = 0; i < entries.size(); ++i) gone[i] = entries[i].revents != 0;
-  return gone;
+bool SocketIo::client_listens(bool takes_interim) {
+  pollfd entry{socket_, POLLRDHUP, 0};
+  if (::poll(&entry, 1, 0) <= 0) return true;
+  if ((entry.revents & (POLLERR | POLLHUP)) != 0 || !takes_interim) return false;
+  const auto now = Clock::now();
+  if (now < next_sign_) return true;
+  next_sign_ = now + kSignPeriod;
+  // The machine of a client that has left answers with a reset, which the next look sees.
+  return send(kSignOfLife.data(), kSignOfLife.size()).bytes == kSignOfLife.size();
 }
 
 }  // namespace furnace

@@ -23,7 +23,9 @@ Sqlite::Sqlite(const std::string& name) {
 }
 
 void Sqlite::refuse(std::string_view doing) const {
-  fail(ErrorCode::kStorage, "The list of jobs could not be read or written.", {},
+  const bool is_foreign = handle_ && sqlite3_errcode(handle_.get()) == SQLITE_NOTADB;
+  fail(is_foreign ? ErrorCode::kUnprocessable : ErrorCode::kStorage,
+       "The list of jobs could not be read or written.", {},
        fmt::format("{}: {}", doing, handle_ ? sqlite3_errmsg(handle_.get()) : "out of memory"));
 }
 

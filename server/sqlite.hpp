@@ -12,7 +12,7 @@ struct sqlite3_stmt;
 
 namespace furnace {
 
-// Errors of all: kStorage.
+// Errors of all: kStorage; kUnprocessable when the file is no database.
 // Threads: one at a time. Owns: the connection.
 class Sqlite {
  public:

@@ -32,10 +32,6 @@ std::optional<std::string> base64_decoded(std::string text) {
   return base64url_decoded(text);
 }
 
-bool is_hex(std::string_view text) {
-  return text.find_first_not_of("0123456789abcdef") == text.npos;
-}
-
 bool is_worth_another_attempt(const OutboundAnswer& answer) {
   switch (answer.fault) {
     case OutboundFault::kUnreachable:
@@ -97,19 +93,6 @@ std::string webhook_signature(std::span<const WebhookKey> keys, std::string_view
 
 std::string webhook_id(std::string_view job_id) {
   return fmt::format("msg_{}", job_id);
-}
-
-bool is_traceparent(std::string_view text) {
-  constexpr std::size_t kBytes = 55, kTraceAt = 3, kTraceDigits = 32, kParentAt = 36, kParentDigits = 16,
-                        kFlagsAt = 53;
-  if (text.size() < kBytes || (text.size() > kBytes && (text.starts_with("00") || text[kBytes] != '-')))
-    return false;
-  if (text[2] != '-' || text[kParentAt - 1] != '-' || text[kFlagsAt - 1] != '-') return false;
-  const std::string_view trace = text.substr(kTraceAt, kTraceDigits),
-                         parent = text.substr(kParentAt, kParentDigits);
-  const auto is_zero = [](std::string_view digits) { return digits.find_first_not_of('0') == digits.npos; };
-  return is_hex(text.substr(0, 2)) && !text.starts_with("ff") && is_hex(trace) && is_hex(parent) &&
-         is_hex(text.substr(kFlagsAt, 2)) && !is_zero(trace) && !is_zero(parent);
 }
 
 Verdict judge(const OutboundAnswer& answer, const RetryPolicy& policy, int attempts, std::int64_t due_ms,

@@ -29,9 +29,6 @@ std::string webhook_signature(std::span<const WebhookKey> keys, std::string_view
 // The same for all attempts at one job's webhook, so that a receiver tells a repetition.
 std::string webhook_id(std::string_view job_id);
 
-// W3C Trace Context, section 3.2: of version 00 or one that may follow, with ids that are not all zeros.
-bool is_traceparent(std::string_view text);
-
 struct RetryPolicy {
   int max_attempts = 10;
   std::int64_t first_pause_ms = 5'000;        // then three times as long each time

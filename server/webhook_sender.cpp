@@ -102,7 +102,7 @@ void WebhookSender::run_thread() {
 bool WebhookSender::deliver_next() {
   const std::optional<DeliveryWork> work = store_.begin_delivery(unix_time_ms());
   if (!work) return false;
-  const log::RequestScope scope(work->id);
+  const log::RequestScope scope({work->id, {}, {}});
   deliver(*work);
   return true;
 }
@@ -144,7 +144,9 @@ OutboundAnswer WebhookSender::send(const DeliveryWork& work) {
     keys = keys_;
   }
   const std::string id = webhook_id(work.id);
-  const std::int64_t now_s = unix_time_ms() / 1000;
+  // The calendar's, for the receiver compares it with its own.
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const std::int64_t now_s = std::chrono::duration_cast<std::chrono::seconds>(now).count();
   OutboundRequest request{*url};
   request.headers = {{"Content-Type", "application/json"},
                      {"webhook-id", id},

@@ -61,7 +61,7 @@ class ConfinedThread {
     void (*run)(void* closure);
     void* closure;
     Clock::time_point end;
-    std::string_view request_id = log::request_id();
+    log::Origin origin = log::origin();
     Progress progress = Progress::kQueued;  // belongs to mutex_, like the signal
     std::condition_variable_any progressed{};
     std::exception_ptr failure{};
@@ -183,7 +183,7 @@ void ConfinedThread<World>::work() {
     running_ = &call;
     lock.unlock();
     {
-      const log::RequestScope scope(call.request_id);
+      const log::RequestScope scope(call.origin);
       try {
         call.run(call.closure);
       } catch (...) {

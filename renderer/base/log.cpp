@@ -11,7 +11,7 @@ namespace furnace::log {
 
 namespace {
 
-thread_local std::string_view current_request_id;
+thread_local Origin current;
 
 spdlog::logger& logger() {
   static const std::unique_ptr<spdlog::logger> instance = [] {
@@ -82,10 +82,14 @@ void write(spdlog::level::level_enum level, std::string_view event, std::initial
   if (!logger().should_log(level)) return;
   std::string line = R"("event":)";
   append_json_string(line, event);
-  if (!current_request_id.empty()) {
-    line += R"(,"request":)";
-    append_json_string(line, current_request_id);
-  }
+  const auto append_origin = [&line](std::string_view key, std::string_view text) {
+    if (text.empty()) return;
+    line += key;
+    append_json_string(line, text);
+  };
+  append_origin(R"(,"request":)", current.request);
+  append_origin(R"(,"trace_id":)", current.trace_id);
+  append_origin(R"(,"span_id":)", current.span_id);
   for (const Field& field : fields) {
     line += ',';
     append_json_string(line, field.key);
@@ -125,15 +129,15 @@ void error(std::string_view event, std::initializer_list<Field> fields) {
   write(spdlog::level::err, event, fields);
 }
 
-RequestScope::RequestScope(std::string_view id) : previous_(current_request_id) {
-  current_request_id = id;
+RequestScope::RequestScope(const Origin& origin) : previous_(current) {
+  current = origin;
 }
 RequestScope::~RequestScope() {
-  current_request_id = previous_;
+  current = previous_;
 }
 
-std::string_view request_id() {
-  return current_request_id;
+const Origin& origin() {
+  return current;
 }
 
 }  // namespace furnace::log

@@ -36,20 +36,26 @@ void info(std::string_view event, std::initializer_list<Field> fields = {});
 void warning(std::string_view event, std::initializer_list<Field> fields = {});
 void error(std::string_view event, std::initializer_list<Field> fields = {});
 
-// The request this thread works for: "request" of every line until the scope ends. `id` must outlive the
-// scope. WorkerPool and ConfinedThread carry it along to the thread that does the work. Threads: stays on its
-// own.
+// Whom a thread works for, as fields of its lines; empty ones are left out. The two ids of a trace are named as OpenTelemetry
+// names them in logs.
+struct Origin {
+  std::string_view request;            // id
+  std::string_view trace_id, span_id;  // 32 and 16 lower-case hexadecimal digits
+};
+
+// The origin of every line until the scope ends, which its texts must outlive. WorkerPool and ConfinedThread carry it along to
+// the thread that does the work. Threads: stays on its own.
 class RequestScope {
  public:
-  explicit RequestScope(std::string_view id);
+  explicit RequestScope(const Origin& origin);
   ~RequestScope();
   RequestScope(const RequestScope&) = delete;
   RequestScope& operator=(const RequestScope&) = delete;
 
  private:
-  std::string_view previous_;
+  Origin previous_;
 };
 
-std::string_view request_id();  // "" outside of any scope
+const Origin& origin();  // of the calling thread; empty outside of any scope
 
 }  // namespace furnace::log

@@ -23,11 +23,11 @@ namespace {
 constexpr double kWorthSharing_us = 200;  // below, waking a thread costs more than it saves
 constexpr double kChunk_us = 50;          // work taken at once, so that the shared counter stays cheap
 
-// Lives on the stack of the thread that waits for it; all members but `body` and `request_id` belong to the
+// Lives on the stack of the thread that waits for it; all members but `body` and `origin` belong to the
 // pool's lock.
 struct Job {
   const std::function<void()>& body;
-  std::string_view request_id = log::request_id();
+  log::Origin origin = log::origin();
   int unfinished = 0;  // tickets queued or running
   std::condition_variable all_finished{};
 };
@@ -69,7 +69,7 @@ void WorkerPool::State::work() {
     lock.unlock();
     own_lane = lane;
     {
-      const log::RequestScope scope(job.request_id);
+      const log::RequestScope scope(job.origin);
       job.body();
     }
     lock.lock();

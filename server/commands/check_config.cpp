@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include "server/application.hpp"
 #include "server/commands/commands.hpp"
 
 namespace furnace {
@@ -11,6 +12,7 @@ Command check_config_command(CLI::App& root) {
   return {options, [settings] {
             const LoadedConfig loaded = settings->load();
             if (!tell_problems(loaded)) return kFailed;
+            tls_certificate(loaded.config);  // whether its files are what they should be
             fmt::print("{}", print_config(loaded));
             return kDone;
           }};

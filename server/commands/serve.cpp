@@ -20,7 +20,7 @@ sigset_t awaited_signals() {
   sigemptyset(&set);
   sigaddset(&set, SIGTERM);
   sigaddset(&set, SIGINT);
-  sigaddset(&set, SIGHUP);  // reads the keys again
+  sigaddset(&set, SIGHUP);  // reads keys and certificate again
   return set;
 }
 
@@ -36,7 +36,7 @@ std::string base_url(const Config& config, int port) {
   std::string host = parse_address(config.listen)->host;
   if (host == "0.0.0.0" || host == "::") host = "127.0.0.1";  // what one can type on this machine
   if (host.find(':') != std::string::npos) host = '[' + host + ']';
-  return fmt::format("http://{}:{}", host, port);
+  return fmt::format("{}://{}:{}", config.tls_certificate.empty() ? "http" : "https", host, port);
 }
 
 // The first line is for programs, the second for people.
@@ -68,7 +68,7 @@ int serve(const LoadedConfig& loaded) {
   constexpr timespec kLook{1, 0};
   for (int signal = 0; signal != SIGTERM && signal != SIGINT;) {
     signal = sigtimedwait(&signals, nullptr, &kLook);
-    if (signal == SIGHUP) application.reload_keys();
+    if (signal == SIGHUP) application.reload();
     if (!application.hangs()) continue;
     // The thread that hangs can neither be ended nor waited for. What must outlive the process is on the disk.
     log::error("gl.hangs", {{"watchdog_ms", config.gl_watchdog_ms}});

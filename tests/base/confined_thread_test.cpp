@@ -285,8 +285,8 @@ TEST(ConfinedThread, StandsCrowdsInAHurry) {
 
 TEST(ConfinedThread, CarriesTheRequestAlong) {
   auto thread = make_thread();
-  const log::RequestScope scope("r-9");
-  EXPECT_EQ(thread.call(kNever, [](World&) { return std::string(log::request_id()); }), "r-9");
+  const log::RequestScope scope({"r-9", {}, {}});
+  EXPECT_EQ(thread.call(kNever, [](World&) { return std::string(log::origin().request); }), "r-9");
 }
 
 TEST(ConfinedThreadDeathTest, RefusesToWaitForItself) {

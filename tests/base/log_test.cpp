@@ -86,18 +86,21 @@ TEST(Log, HonoursTheLevel) {
 
 TEST(Log, NamesTheRequestOfItsThread) {
   const std::string lines = stderr_of([] {
-    const log::RequestScope outer("r-1");
+    const log::RequestScope outer({"r-1", "4bf92f3577b34da6a3ce929d0e0e4736", "00f067aa0ba902b7"});
     {
-      const log::RequestScope inner("r-\"2");
+      const log::RequestScope inner({"r-\"2", {}, {}});
       log::info("inner");
     }
     log::info("outer");
     std::jthread([] { log::info("other"); }).join();
   });
   EXPECT_THAT(lines, HasSubstr(R"("event":"inner","request":"r-\"2"})"));
-  EXPECT_THAT(lines, HasSubstr(R"("event":"outer","request":"r-1"})"));
+  EXPECT_THAT(
+      lines,
+      HasSubstr(
+          R"("event":"outer","request":"r-1","trace_id":"4bf92f3577b34da6a3ce929d0e0e4736","span_id":"00f067aa0ba902b7"})"));
   EXPECT_THAT(lines, HasSubstr(R"("event":"other"})"));
-  EXPECT_EQ(log::request_id(), "");
+  EXPECT_EQ(log::origin().request, "");
 }
 
 TEST(Log, KeepsLinesOfThreadsWhole) {

@@ -170,12 +170,12 @@ TEST(WorkerPool, FinishesWhatIsQueuedBeforeItEnds) {
 
 TEST(WorkerPool, CarriesTheRequestAlong) {
   WorkerPool pool(2);
-  const log::RequestScope scope("r-7");
+  const log::RequestScope scope({"r-7", {}, {}});
   std::string seen;
-  pool.run(Lane::kDecode, [&] { seen = log::request_id(); });
+  pool.run(Lane::kDecode, [&] { seen = log::origin().request; });
   EXPECT_EQ(seen, "r-7");
   std::atomic<int> wrong{0};
-  pool.parallel_for(20, kLongWork_us, [&](std::size_t) { wrong += log::request_id() != "r-7"; });
+  pool.parallel_for(20, kLongWork_us, [&](std::size_t) { wrong += log::origin().request != "r-7"; });
   EXPECT_EQ(wrong, 0);
 }
 

@@ -130,6 +130,8 @@ void add_request_seeds(Seeds& seeds) {
   seeds["image_url"] = image_urls();
   seeds["keys"] = key_files();
   seeds["outbound_url"] = outbound_urls();
+  seeds["traceparent"] = {"00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01",
+                          "cc-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01-what-comes-later"};
   seeds["preset"] = {
       R"({"furnace:open":["width","model"],"output":{"height":480},"scene":{"model":"builtin:torus"}})"};
   seeds["reply"] = replies();

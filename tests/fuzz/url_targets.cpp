@@ -10,6 +10,7 @@
 #include "server/api_keys.hpp"
 #include "server/image_url.hpp"
 #include "server/outbound_url.hpp"
+#include "server/trace_context.hpp"
 #include "server/url_query.hpp"
 #include "server/url_signature.hpp"
 #include "server/webhook.hpp"
@@ -82,7 +83,6 @@ void run_outbound_url(Input input) {
   if (const auto url = resolve_outbound_url(base, texts.first)) check_outbound_url(*url);
   const auto url = parse_outbound_url(texts.second);
   if (url) check_outbound_url(*url);
-  is_traceparent(texts.second);
   if (!url || !AllowList::fault(texts.first).empty()) return;
   const AllowList list(texts.first);
   FURNACE_CHECK(!list.allows(*url) || !list.empty(), "an empty list allows {}", url->text);
@@ -96,11 +96,21 @@ void run_preset(Input input) {
                 "another reading, another request");
 }
 
+// Whatever comes, our own field is valid, and it is of the trace that a valid one names.
+void run_traceparent(Input input) {
+  const std::string_view field = text_of(input);
+  const TraceContext context = trace_of(field);
+  const TraceContext next = trace_of(context.text());
+  FURNACE_CHECK(next.trace_id == context.trace_id && next.parent_id == context.span_id, "{}", context.text());
+  FURNACE_CHECK(context.parent_id.empty() || field.find(context.trace_id) == 3, "{}", context.text());
+}
+
 constexpr std::array kTargets = {
     Target{"image_url", run_image_url, kMostUrlBytes, mutate_bytes},
     Target{"keys", run_keys, kMostUrlBytes, mutate_bytes},
     Target{"outbound_url", run_outbound_url, kMostUrlBytes, mutate_bytes},
     Target{"preset", run_preset, kMostUrlBytes, mutate_bytes},
+    Target{"traceparent", run_traceparent, 256, mutate_bytes},
 };
 
 }  // namespace

@@ -52,6 +52,7 @@ class Client {
     if (socket_ >= 0) ::close(socket_);
     socket_ = -1;
   }
+  void say_no_more() { ::shutdown(socket_, SHUT_WR); }
   void say(std::string_view text) { ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL); }
   // All that comes until the server closes.
   std::string rest() {
@@ -287,12 +288,13 @@ TEST_F(HttpServerTest, SlowHeadsAndBodiesAreCutOff) {
 }
 
 TEST_F(HttpServerTest, SilentConnectionsGiveWayToOthers) {
-  config_.io.header_timeout = std::chrono::minutes(10);
+  config_.io.header_timeout = config_.io.io_timeout = std::chrono::minutes(10);
   start();
   std::vector<std::unique_ptr<Client>> silent;
-  for (int i = 0; i < 8; ++i) {
+  for (int i = 0; i < 10; ++i) {
     silent.push_back(std::make_unique<Client>(server_->port()));
-    silent.back()->say("GET /hel");
+    silent.back()->say(i % 2 == 0 ? "GET /hel"
+                                  : "POST /echo HTTP/1.1\r\nHost: h\r\nContent-Length: 9\r\n\r\nab");
   }
   // Without pressure they would be waited for ten minutes: this test would run into its own time limit.
   EXPECT_THAT(ask("GET /hello HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n"),
@@ -323,6 +325,26 @@ TEST_F(HttpServerTest, AClientThatLeavesCancelsItsRequest) {
   until_waiting(1);
   client.hang_up();
   until_waiting(0);
+  EXPECT_EQ(cancelled_, 1);
+}
+
+TEST_F(HttpServerTest, AClientThatOnlySaysNoMoreIsAnswered) {
+  start();
+  Client client(server_->port());
+  client.say("POST /wait HTTP/1.1\r\nHost: h\r\n\r\n");
+  client.say_no_more();
+  EXPECT_EQ(client.until("\r\n\r\n"), "HTTP/1.1 102 Processing\r\n\r\n");
+  EXPECT_EQ(cancelled_, 0);
+  release();
+  EXPECT_TRUE(client.rest().ends_with("released"));
+}
+
+TEST_F(HttpServerTest, AnOldClientThatSaysNoMoreIsGone) {
+  start();
+  Client client(server_->port());
+  client.say("POST /wait HTTP/1.0\r\n\r\n");
+  client.say_no_more();
+  EXPECT_THAT(client.rest(), HasSubstr(" 504 "));  // not even a sign of life before it
   EXPECT_EQ(cancelled_, 1);
 }
 

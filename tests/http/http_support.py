@@ -27,7 +27,7 @@ class Server:
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=self.log, text=True,
                                         env={**os.environ, **(environment or {})})
         self.lines = [self.process.stdout.readline().rstrip("\n")]
-        match = re.fullmatch(r"furnace listening on (http://127\.0\.0\.1:(\d+))", self.lines[0])
+        match = re.fullmatch(r"furnace listening on (https?://127\.0\.0\.1:(\d+))", self.lines[0])
         if not match:
             self.process.wait(PATIENCE_S)
             raise AssertionError(f"{command} said {self.lines}; its log:\n{self.log_text()}")
@@ -96,6 +96,11 @@ def answer_of(process):
 
 def curl(url, *flags):
     return answer_of(curl_process(url, *flags))
+
+
+def handles(server):
+    """Open descriptors and threads of the process."""
+    return tuple(len(os.listdir(f"/proc/{server.process.pid}/{kind}")) for kind in ("fd", "task"))
 
 
 def small(width=48, height=32, **output):

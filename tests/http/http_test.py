@@ -1,6 +1,7 @@
 """The HTTP door of the real program, asked by a real curl: http_test.py FURNACE [unittest arguments]."""
 import json
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -152,6 +153,20 @@ class Pictures(Case):
         self.assertEqual(answer.headers["x-request-id"], "mine-7")
         self.assertIn("mine-7", self.expect_problem(answer, 400)["instance"])
         self.assertIn('"request":"mine-7"', self.server.log_text())
+
+    def test_trace_context(self):
+        trace, parent = "4bf92f3577b34da6a3ce929d0e0e4736", "00f067aa0ba902b7"
+        answer = self.server.render("{", "-H", f"TraceParent: 00-{trace}-{parent}-01")
+        self.assertEqual(self.expect_problem(answer, 400)["traceId"], trace)
+        span = re.fullmatch(rf"00-{trace}-([0-9a-f]{{16}})-01", answer.headers["traceresponse"])[1]
+        self.assertNotEqual(span, parent)
+        lines = [line for line in map(json.loads, self.server.log_text().splitlines()) if line.get("trace_id") == trace]
+        self.assertEqual({line["event"] for line in lines}, {"request.failed", "request.done"})
+        self.assertEqual({line["span_id"] for line in lines}, {span})
+        self.assertEqual(lines[-1]["parent_span_id"], parent)
+        self.assertRegex(self.server.render(small()).headers["traceresponse"], r"^00-[0-9a-f]{32}-[0-9a-f]{16}-02$")
+        refused = self.server.curl("/version", "-H", f"traceparent: 00-{trace}-{parent}-01", "-H", "Expect: wonders")
+        self.assertEqual(self.expect_problem(refused, 417)["traceId"], trace)
 
     def test_keep_alive(self):
         process = subprocess.run(["curl", "-sS", "-w", "%{num_connects}\n", "-o", "/dev/null", f"{self.server.url}/version",
