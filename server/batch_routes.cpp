@@ -44,11 +44,8 @@ bool ends_the_batch(const Error& error) {
          error.code == ErrorCode::kGpuUnavailable || error.code == ErrorCode::kInternal;
 }
 
-}  // namespace
-
-api::StoredRender draw_batch(const Doors& doors, const RequestBody& body, const Deadline& deadline,
-                             const RenderService::Progress& progress) {
-  const std::vector<Planned> planned = plan(doors, body, deadline);
+api::StoredRender draw_planned(const Doors& doors, const std::vector<Planned>& planned,
+                               const Deadline& deadline, const RenderService::Progress& progress) {
   const auto count = int(planned.size());
   std::vector<ArchiveFile> files;
   std::vector<api::BatchOutcome> outcomes;
@@ -78,15 +75,26 @@ api::StoredRender draw_batch(const Doors& doors, const RequestBody& body, const 
   return batch;
 }
 
+}  // namespace
+
+api::StoredRender draw_batch(const Doors& doors, const RequestBody& body, const Deadline& deadline,
+                             const RenderService::Progress& progress) {
+  return draw_planned(doors, plan(doors, body, deadline), deadline, progress);
+}
+
 Reply post_batch(const Doors& doors, const Request& request) {
   const RequestBody body = read_body(request, doors.max_parts);
+  const std::vector<Planned> planned = plan(doors, body, request.deadline);
+  Reply reply;
   if (doors.jobs != nullptr && JobDoors::is_asked_for(request)) {
-    plan(doors, body, request.deadline);
-    return doors.jobs->accept(request);
+    reply = doors.jobs->accept(request);
+  } else {
+    api::StoredRender batch = draw_planned(doors, planned, request.deadline, {});
+    reply = Reply{200, std::move(batch.media_type), std::move(batch.bytes), {}};
+    reply.with("Cache-Control", "no-store");
   }
-  api::StoredRender batch = draw_batch(doors, body, request.deadline, {});
-  return Reply{200, std::move(batch.media_type), std::move(batch.bytes), {}}.with("Cache-Control",
-                                                                                  "no-store");
+  reply.renders = int(planned.size());
+  return reply;
 }
 
 }  // namespace furnace

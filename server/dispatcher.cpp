@@ -117,7 +117,7 @@ Reply Dispatcher::handle(Request request) const {
 
   Entry entry;
   Reply reply = answer(request, route, entry);
-  if (gate_ != nullptr) gate_->leave(entry, reply.status);
+  if (gate_ != nullptr) gate_->leave(entry, reply.status, reply.renders);
   for (const auto& [name, value] : entry.headers) reply.with(name, value);
   if (!entry.client.name.empty()) keep_from_shared_caches(reply);
   add_common_headers(reply, request);

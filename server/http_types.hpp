@@ -72,6 +72,7 @@ struct Reply {
   // In place of a body: gives the next piece, waits for it on the connection's thread; false with or after the last one.
   std::function<bool(std::string& piece)> stream = {};
   std::shared_ptr<const FileBody> file = {};  // instead of `body`
+  int renders = 1;                            // that a key's day is charged, of a route that draws
 
   Reply& with(std::string name, std::string value) {
     headers.emplace_back(std::move(name), std::move(value));

@@ -144,29 +144,38 @@ Reply JobDoors::accept(const Request& request) {
                           request.body,
                           priority_of(request),
                           idempotency_key(request),
-                          webhook_of(request, webhooks_)};
+                          webhook_of(request, webhooks_),
+                          request.client.name};
   const JobStore::Created created = store_.create(wanted, unix_time_ms());
   log::info("job.accepted", {{"id", created.job.id}, {"is_new", created.is_new}});
   if (created.is_new) runner_.wake();
   return reply_of(202, created.job).with("Preference-Applied", "respond-async");
 }
 
+// Of those that the client may see: its own, an administrator all.
+std::optional<Job> JobDoors::find(const Request& request, const std::string& id) {
+  std::optional<Job> job = store_.find(id);
+  const Client& client = request.client;
+  const bool may_see =
+      job && (job->client.empty() || job->client == client.name || (client.scopes & scope::kAdmin) != 0);
+  return may_see ? job : std::nullopt;
+}
+
 Reply JobDoors::get(const Request& request) {
   const Place place = place_of(request);
   if (place.what == kJobResult) return get_result(request, place.id);
   if (place.what == kEvents) return get_events(request, place.id);
-  const std::optional<Job> job = place.what.empty() ? store_.find(place.id) : std::nullopt;
+  const std::optional<Job> job = place.what.empty() ? find(request, place.id) : std::nullopt;
   if (!job) fail_unknown();
   return reply_of(200, *job);
 }
 
 Reply JobDoors::get_result(const Request& request, const std::string& id) {
+  const std::optional<Job> job = find(request, id);
+  if (!job) fail_unknown();
   const std::optional<std::string> file = store_.result(id);
-  if (!file) {
-    const std::optional<Job> job = store_.find(id);
-    if (!job) fail_unknown();
+  if (!file)
     fail(ErrorCode::kNotFound, fmt::format("The job has no result: it is {}.", name_of(job->status)));
-  }
   api::StoredRender render = api::decode_stored_render(*file);
   const std::string etag = hash_bytes(std::as_bytes(std::span(render.bytes))).hex();
   const bool unchanged = etag_matches(request.header("If-None-Match"), etag);
@@ -178,7 +187,7 @@ Reply JobDoors::get_result(const Request& request, const std::string& id) {
 }
 
 Reply JobDoors::get_events(const Request& request, const std::string& id) {
-  if (!store_.find(id)) fail_unknown();
+  if (!find(request, id)) fail_unknown();
   // Each holds a thread.
   if (++streams_ > max_streams_) {
     --streams_;
@@ -193,7 +202,7 @@ Reply JobDoors::get_events(const Request& request, const std::string& id) {
 
 Reply JobDoors::remove(const Request& request) {
   const Place place = place_of(request);
-  if (!place.what.empty() || !runner_.remove(place.id)) fail_unknown();
+  if (!place.what.empty() || !find(request, place.id) || !runner_.remove(place.id)) fail_unknown();
   return Reply{204, {}, {}, {}};
 }
 

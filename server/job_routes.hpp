@@ -32,6 +32,7 @@ class JobDoors {
 
  private:
   Reply get(const Request& request);
+  std::optional<Job> find(const Request& request, const std::string& id);
   Reply get_result(const Request& request, const std::string& id);
   Reply get_events(const Request& request, const std::string& id);
   Reply remove(const Request& request);

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Renders that are answered later, with real curl against the real binary."""
+import hashlib
 import io
 import json
+import os
 import signal
 import tempfile
 import time
@@ -53,6 +55,25 @@ class Jobs(Case):
             self.assertEqual(server.curl(place, "-X", "DELETE").status, 204)
             self.expect_problem(server.curl(place), 404)
             self.expect_problem(server.curl(place + "/result"), 404)
+
+    def test_each_key_sees_its_own(self):
+        with tempfile.TemporaryDirectory() as folder:
+            keys = os.path.join(folder, "keys")
+            with open(keys, "w", encoding="ascii") as file:
+                for name in ("anna", "berta", "root"):
+                    digest = hashlib.sha256(name.encode()).hexdigest()
+                    file.write(f"{name}:{'render,admin' if name == 'root' else 'render'}:{digest}\n")
+            with Server("--api-keys-file", keys) as server:
+                as_key = lambda name: ("-H", f"X-Api-Key: {name}")
+                place = self.ask(server, small(), *as_key("anna"), "-H", 'Idempotency-Key: "k"')
+                self.assertNotEqual(place, self.ask(server, small(), *as_key("berta"), "-H", 'Idempotency-Key: "k"'))
+                self.assertEqual(place, self.ask(server, small(), *as_key("anna"), "-H", 'Idempotency-Key: "k"'))
+                for path in (place, place + "/result", place + "/events"):
+                    self.expect_problem(server.curl(path, *as_key("berta")), 404)
+                self.expect_problem(server.curl(place, "-X", "DELETE", *as_key("berta")), 404)
+                self.assertEqual(server.curl(place, *as_key("anna")).status, 200)
+                self.assertEqual(server.curl(place, *as_key("root")).status, 200)
+                self.assertEqual(server.curl(place, "-X", "DELETE", *as_key("root")).status, 204)
 
     def test_what_is_wrong_is_told_at_once_or_by_the_job(self):
         with Server() as server:
