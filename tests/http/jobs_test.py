@@ -91,6 +91,32 @@ class Jobs(Case):
             self.expect_problem(server.curl("/v1/jobs/" + "0" * 32), 404)
             self.expect_problem(server.curl("/v1/jobs/none"), 404)
 
+    def test_ready_kinds_of_batches(self):
+        batch = {"request": small(60, 40), "items": [{"name": "front"}, {"name": "side", "changes": {"/camera/orbit/azimuthDegrees": 90}}],
+                 "srcset": {"widths": [30, 15], "formats": ["webp", "png"]}, "contactSheet": {"columns": 4, "cellPx": 24}}
+        with Server() as server:
+            ask = lambda document: server.curl("/v1/batches", "-H", "Content-Type: application/json", "--data-binary", json.dumps(document))
+            answer = ask(batch)
+            self.assertEqual(answer.status, 200, answer.body[:500])
+            archive = zipfile.ZipFile(io.BytesIO(answer.body))
+            index = json.loads(archive.read("index.json"))
+            self.assertEqual({item["file"] for item in index["items"]} | {"index.json", "contact-sheet.png"}, set(archive.namelist()))
+            self.assertEqual(support.read_png(archive.read("front_15w.png"))[:2], (15, 10))
+            self.assertIn({"name": "side", "format": "webp", "srcset": "side_30w.webp 30w, side_15w.webp 15w"}, index["srcsets"])
+            self.assertEqual(index["items"][5]["cell"], {"row": 1, "column": 1})
+            width, height, channels, pixels = support.read_png(archive.read(index["contactSheet"]))
+            self.assertEqual((width, height, channels), (96, 48, 4))
+            # The picture of 24 x 16 stands in the middle of its cell.
+            self.assertEqual([pixels[y * 96 + 12][3] for y in (3, 4, 19, 20)], [0, 255, 255, 0])
+
+            answer = ask({"request": small(), "turntable": {"frames": 3}, "contactSheet": {"cellPx": 16}})
+            self.assertEqual(answer.status, 200, answer.body[:500])
+            archive = zipfile.ZipFile(io.BytesIO(answer.body))
+            self.assertEqual(set(archive.namelist()), {"turntable.png", "contact-sheet.png", "index.json"})
+            self.assertIn(b"acTL", archive.read("turntable.png"))
+            self.assertEqual(self.expect_problem(ask({"vary": [{"pointer": "/output/width", "values": list(range(10, 110))}],
+                                                      "contactSheet": {"cellPx": 2048}}), 413)["pointer"], "/contactSheet")
+
     def test_a_batch_is_an_archive_at_once_or_later(self):
         batch = {"request": small(), "items": [{"name": "front", "changes": {"/camera/orbit/azimuthDegrees": 0}}, {"name": "back"}],
                  "vary": [{"pointer": "/output/width", "values": [20, 40]}]}
