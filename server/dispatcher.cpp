@@ -206,6 +206,7 @@ std::string Dispatcher::allowed_methods(std::string_view path) const {
 Reply Dispatcher::problem(const Request& request, const Error& error) const {
   const int status = api::http_status(error.code);
   log_error(error, status);
+  metrics_.observe_error(error_code_name(error.code));
   Reply reply{status,
               std::string(api::kProblemMediaType),
               api::problem_json(error, request.id, request.trace.trace_id),
