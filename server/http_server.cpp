@@ -25,6 +25,7 @@
 #include "renderer/base/error.hpp"
 #include "renderer/base/log.hpp"
 #include "server/body_receiver.hpp"
+#include "server/preferences.hpp"
 #include "server/framing.hpp"
 #include "server/http_translation.hpp"
 #include "server/in_flight.hpp"
@@ -122,6 +123,12 @@ class BoundedPool : public httplib::ThreadPool {
   std::atomic<int> waiting_ = 0;
   std::atomic<int> busy_ = 0;
 };
+
+// A client may ask for less time than there is; for a job it only says how long it would wait for it.
+milliseconds time_for(const Request& request, milliseconds timeout) {
+  const Preferences prefer = parse_preferences(request.header("Prefer"));
+  return prefer.wait && !prefer.respond_async ? std::min(timeout, milliseconds(*prefer.wait)) : timeout;
+}
 
 }  // namespace
 
@@ -392,7 +399,7 @@ bool HttpServer::State::receive_body(const httplib::ContentReader& reader, Excha
 
 void HttpServer::State::answer(Exchange& exchange, httplib::Response& out) {
   const InFlight::Entry entry(in_flight_, exchange.io, exchange.takes_interim);
-  exchange.request.deadline = Deadline(config_.timeout, entry.token());
+  exchange.request.deadline = Deadline(time_for(exchange.request, config_.timeout), entry.token());
   fill(out, dispatcher_.handle(std::move(exchange.request)));
   exchange.drop_body();
   exchange.replied = true;

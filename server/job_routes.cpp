@@ -12,6 +12,7 @@
 #include "api/stored_render.hpp"
 #include "server/job_document.hpp"
 #include "server/negotiation.hpp"
+#include "server/preferences.hpp"
 #include "server/webhook.hpp"
 
 namespace furnace {
@@ -21,7 +22,7 @@ constexpr std::string_view kJson = "application/json", kEvents = "/events";
 constexpr std::string_view kWebhook = "Furnace-Webhook";
 constexpr std::size_t kIdDigits = 32, kMostKeyBytes = 255;
 constexpr int kMostPriority = 9;
-constexpr std::chrono::milliseconds kLook{200}, kSignOfLife{10'000};
+constexpr std::chrono::milliseconds kLook{50}, kSignOfLife{10'000};
 
 Reply reply_of(int status, const Job& job) {
   Reply reply{status, std::string(kJson), job_document(job) + "\n", {}};
@@ -123,18 +124,36 @@ class EventStream {
 }  // namespace
 
 bool JobDoors::is_asked_for(const Request& request) {
-  const std::string_view prefer = request.header("Prefer");
-  const std::size_t at = prefer.find("respond-async");
-  const std::size_t end = at + std::string_view("respond-async").size();
-  const auto is_edge = [&](std::size_t i) {
-    return std::string_view(", ;\t").find(prefer[i]) != prefer.npos;
-  };
-  const bool is_asked =
-      at != prefer.npos && (at == 0 || is_edge(at - 1)) && (end == prefer.size() || is_edge(end));
+  const bool is_asked = parse_preferences(request.header("Prefer")).respond_async;
   if (!is_asked && !request.header(kWebhook).empty())
     fail(ErrorCode::kInvalidRequest,
          fmt::format("{} tells of a job's end: it goes with Prefer: respond-async.", kWebhook));
   return is_asked;
+}
+
+// Until it is finished, or the client would rather not wait any longer. It holds a thread, as a stream of events does, and
+// does not wait where there is none.
+Job JobDoors::wait_for(const Request& request, Job job) {
+  const auto wanted = parse_preferences(request.header("Prefer")).wait;
+  const std::shared_ptr<void> place = wanted ? take_stream() : nullptr;
+  if (!place) return job;
+  const auto end = std::min(request.deadline.end(), Clock::now() + *wanted);
+  while (!is_finished(job.status) && Clock::now() < end && !request.deadline.cancelled()) {
+    std::this_thread::sleep_for(kLook);
+    std::optional<Job> now = store_.find(job.id);
+    if (!now) break;
+    job = *std::move(now);
+  }
+  return job;
+}
+
+// Null when there are as many as may be.
+std::shared_ptr<void> JobDoors::take_stream() {
+  if (++streams_ > max_streams_) {
+    --streams_;
+    return nullptr;
+  }
+  return {this, [](JobDoors* doors) { --doors->streams_; }};
 }
 
 Reply JobDoors::accept(const Request& request) {
@@ -149,7 +168,10 @@ Reply JobDoors::accept(const Request& request) {
   const JobStore::Created created = store_.create(wanted, unix_time_ms());
   log::info("job.accepted", {{"id", created.job.id}, {"is_new", created.is_new}});
   if (created.is_new) runner_.wake();
-  return reply_of(202, created.job).with("Preference-Applied", "respond-async");
+  const Job job = wait_for(request, created.job);
+  Reply reply = job.status == JobStatus::kSucceeded ? get_result(request, job.id) : reply_of(202, job);
+  if (reply.status == 200) reply.with("Content-Location", fmt::format("{}{}{}", kJobs, job.id, kJobResult));
+  return std::move(reply.with("Preference-Applied", "respond-async"));
 }
 
 // Of those that the client may see: its own, an administrator all.
@@ -188,12 +210,8 @@ Reply JobDoors::get_result(const Request& request, const std::string& id) {
 
 Reply JobDoors::get_events(const Request& request, const std::string& id) {
   if (!find(request, id)) fail_unknown();
-  // Each holds a thread.
-  if (++streams_ > max_streams_) {
-    --streams_;
-    fail(ErrorCode::kOverloaded, "Too many streams of events at once; ask for the job itself.");
-  }
-  const std::shared_ptr<void> place(nullptr, [this](void*) { --streams_; });
+  const std::shared_ptr<void> place = take_stream();
+  if (!place) fail(ErrorCode::kOverloaded, "Too many streams of events at once; ask for the job itself.");
   Reply reply{200, "text/event-stream", {}, {}};
   reply.stream = [stream = std::make_shared<EventStream>(store_, id, request.deadline, place)](
                      std::string& piece) { return stream->next(piece); };

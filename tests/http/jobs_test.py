@@ -56,6 +56,18 @@ class Jobs(Case):
             self.expect_problem(server.curl(place), 404)
             self.expect_problem(server.curl(place + "/result"), 404)
 
+    def test_a_client_says_how_long_it_would_wait(self):
+        with Server() as server:
+            patient = server.render(small(), "-H", "Prefer: respond-async, wait=60")
+            self.expect_picture(patient, 48, 32)
+            self.assertEqual(patient.headers["preference-applied"], "respond-async")
+            self.assertRegex(patient.headers["content-location"], "^/v1/jobs/[0-9a-f]{32}/result$")
+            self.assertEqual(server.curl(patient.headers["content-location"]).body, patient.body)
+            hurried = server.render(support.slow(), "-H", "Prefer: respond-async, wait=0")
+            self.assertEqual(hurried.status, 202)
+            self.assertEqual(server.curl(hurried.headers["location"], "-X", "DELETE").status, 204)
+            self.expect_problem(server.render(support.slow(), "-H", "Prefer: wait=0"), 504)
+
     def test_each_key_sees_its_own(self):
         with tempfile.TemporaryDirectory() as folder:
             keys = os.path.join(folder, "keys")

@@ -12,6 +12,7 @@
 #include "server/framing.hpp"
 #include "server/multipart.hpp"
 #include "server/negotiation.hpp"
+#include "server/preferences.hpp"
 
 namespace furnace {
 namespace {
@@ -92,6 +93,25 @@ TEST(Framing, RequestIds) {
   EXPECT_FALSE(is_sane_request_id(std::string(65, 'a')));
   EXPECT_NE(new_request_id(), new_request_id());
   EXPECT_TRUE(is_sane_request_id(new_request_id()));
+}
+
+// --- preferences
+// --------------------------------------------------------------------------------------------------------
+
+TEST(Prefer, WhatTheRfcWrites) {
+  using std::chrono::seconds;
+  EXPECT_TRUE(parse_preferences("respond-async").respond_async);
+  EXPECT_TRUE(parse_preferences("Respond-Async, wait=100").respond_async);
+  EXPECT_EQ(parse_preferences("Respond-Async, wait=100").wait, seconds(100));
+  EXPECT_EQ(parse_preferences(" return=minimal; foo=\"a\" , Wait = \"20\" ;x=y,wait=3").wait, seconds(20));
+  EXPECT_EQ(parse_preferences("wait=0").wait, seconds(0));
+  EXPECT_EQ(parse_preferences("wait=2000000000").wait, seconds(86'400));
+  for (const char* other :
+       {"", ",", "wait", "wait=", "wait=-1", "wait=1.5", "wait=x", "wait=99999999999", "waits=1"})
+    EXPECT_FALSE(parse_preferences(other).wait) << other;
+  for (const char* other :
+       {"respond-async=1", "no-respond-async", "respond-asynchronously", "foo; respond-async"})
+    EXPECT_FALSE(parse_preferences(other).respond_async) << other;
 }
 
 // --- ranges of uploads
