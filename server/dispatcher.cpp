@@ -13,6 +13,7 @@
 #include "renderer/base/log.hpp"
 #include "api/document.hpp"
 #include "api/problem.hpp"
+#include "server/byte_range.hpp"
 #include "server/gate.hpp"
 #include "server/metrics.hpp"
 
@@ -120,21 +121,23 @@ Reply Dispatcher::handle(Request request) const {
   if (gate_ != nullptr) gate_->leave(entry, reply.status, reply.renders);
   for (const auto& [name, value] : entry.headers) reply.with(name, value);
   if (!entry.client.name.empty()) keep_from_shared_caches(reply);
+  serve_range(request, reply);
   add_common_headers(reply, request);
 
   const double seconds = seconds_since(start);
   metrics_.requests_in_flight.Decrement();
   metrics_.observe_request(route, reply.status, seconds);
   if (!entry.client.name.empty()) metrics_.observe_client(entry.client.name, reply.status);
-  log::info("request.done",
-            {{"method", request.method},
-             {"path", request.path},
-             {"client", entry.client.name},
-             {"parent_span_id", request.trace.parent_id},
-             {"status", reply.status},
-             {"ms", seconds * 1e3},
-             {"bytes_in", request.body.size()},
-             {"bytes_out", reply.file ? reply.file->bytes : std::int64_t(reply.body.size())}});
+  log::info("request.done", {{"method", request.method},
+                             {"path", request.path},
+                             {"client", entry.client.name},
+                             {"parent_span_id", request.trace.parent_id},
+                             {"status", reply.status},
+                             {"ms", seconds * 1e3},
+                             {"bytes_in", request.body.size()},
+                             {"bytes_out", reply.part   ? reply.part->size()
+                                           : reply.file ? reply.file->bytes
+                                                        : std::int64_t(reply.body.size())}});
   return reply;
 }
 

@@ -133,11 +133,10 @@ bool JobDoors::is_asked_for(const Request& request) {
 
 // Until it is finished, or the client would rather not wait any longer. It holds a thread, as a stream of events does, and
 // does not wait where there is none.
-Job JobDoors::wait_for(const Request& request, Job job) {
-  const auto wanted = parse_preferences(request.header("Prefer")).wait;
-  const std::shared_ptr<void> place = wanted ? take_stream() : nullptr;
+Job JobDoors::wait_for(const Request& request, Job job, std::chrono::seconds longest) {
+  const std::shared_ptr<void> place = take_stream();
   if (!place) return job;
-  const auto end = std::min(request.deadline.end(), Clock::now() + *wanted);
+  const auto end = std::min(request.deadline.end(), Clock::now() + longest);
   while (!is_finished(job.status) && Clock::now() < end && !request.deadline.cancelled()) {
     std::this_thread::sleep_for(kLook);
     std::optional<Job> now = store_.find(job.id);
@@ -168,8 +167,10 @@ Reply JobDoors::accept(const Request& request) {
   const JobStore::Created created = store_.create(wanted, unix_time_ms());
   log::info("job.accepted", {{"id", created.job.id}, {"is_new", created.is_new}});
   if (created.is_new) runner_.wake();
-  const Job job = wait_for(request, created.job);
-  Reply reply = job.status == JobStatus::kSucceeded ? get_result(request, job.id) : reply_of(202, job);
+  const auto wait = parse_preferences(request.header("Prefer")).wait;
+  const Job job = wait ? wait_for(request, created.job, *wait) : created.job;
+  Reply reply =
+      wait && job.status == JobStatus::kSucceeded ? get_result(request, job.id) : reply_of(202, job);
   if (reply.status == 200) reply.with("Content-Location", fmt::format("{}{}{}", kJobs, job.id, kJobResult));
   return std::move(reply.with("Preference-Applied", "respond-async"));
 }

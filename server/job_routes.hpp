@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <utility>
@@ -33,7 +34,7 @@ class JobDoors {
   std::int64_t unfinished_webhooks() { return store_.unfinished_deliveries(); }
 
  private:
-  Job wait_for(const Request& request, Job job);
+  Job wait_for(const Request& request, Job job, std::chrono::seconds longest);
   std::shared_ptr<void> take_stream();
   Reply get(const Request& request);
   std::optional<Job> find(const Request& request, const std::string& id);
