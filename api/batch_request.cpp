@@ -22,6 +22,7 @@ using Json = nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::size_t kMostNameBytes = 100;
+constexpr std::size_t kMostIndexDigits = 9;  // more than any array of a request has
 constexpr std::int64_t kMostDocuments = 64;  // times the largest request, all together
 
 struct Item {
@@ -51,6 +52,8 @@ bool is_file_name(std::string_view name) {
 // Threads: one. Owns: the faults found.
 class Reader {
  public:
+  explicit Reader(int max_depth) : max_depth_(max_depth) {}
+
   std::vector<Item> items;
   std::vector<Dimension> dimensions;
   Json request = Json::object();
@@ -148,6 +151,10 @@ class Reader {
   }
 
   bool is_pointer(const Value& place, const std::string& text) {
+    if (std::ranges::count(text, '/') > max_depth_) {
+      add(place, fmt::format("leads more than {} levels deep", max_depth_));
+      return false;
+    }
     try {
       if (!text.empty() && !Json::json_pointer(text).empty()) return true;
     } catch (const Json::exception&) {
@@ -198,17 +205,36 @@ class Reader {
     dimensions.push_back(std::move(dimension));
   }
 
+  const int max_depth_;
   std::vector<Problem> problems_;
   std::set<std::string> names_;
 };
 
+// Whether each index on the way is of an element, or of the next one: the library would make all those before it.
+bool has_elements(const Json& document, Json::json_pointer pointer) {
+  for (; !pointer.empty(); pointer.pop_back()) {
+    const Json::json_pointer above = pointer.parent_pointer();
+    const bool is_there = document.contains(above);
+    if (is_there && !document.at(above).is_array()) continue;
+    const std::string& token = pointer.back();
+    const bool is_index = !token.empty() && token.find_first_not_of("0123456789") == token.npos;
+    const std::size_t size = is_there ? document.at(above).size() : 0;
+    if (is_index && (token.size() > kMostIndexDigits || std::stoul(token) > size)) return false;
+  }
+  return true;
+}
+
 // Makes what lies on the way.
 void change(Json& document, const std::string& pointer, const Json& value) {
+  const Json::json_pointer place(pointer);
   try {
-    document[Json::json_pointer(pointer)] = value;
+    if (has_elements(document, place)) {
+      document[place] = value;
+      return;
+    }
   } catch (const Json::exception&) {
-    fail(ErrorCode::kUnprocessable, fmt::format("the request has no place {}", pointer), {});
   }
+  fail(ErrorCode::kUnprocessable, fmt::format("the request has no place {}", pointer), {});
 }
 
 // The height that keeps a document's aspect ratio at another width; what is no size is left to the document's own reader.
@@ -256,7 +282,7 @@ BatchItem combine(const Json& request, const Item& item, const std::vector<Dimen
 
 Batch parse_batch(std::string_view json, const RequestLimits& limits, int max_items) {
   const Document document = Document::parse(json, {limits.max_json_depth, limits.max_json_bytes});
-  Reader reader;
+  Reader reader(limits.max_json_depth);
   reader.read(document.root());
   const auto most = std::size_t(max_items);
   std::size_t combinations = 1;

@@ -61,7 +61,7 @@ void fill_in_query(OrderedJson& document, const OrderedJson& schema) {
                              {"in", "query"},
                              {"description", std::string(key.pointer) + " of the document."},
                              {"schema", schema_at(schema, key.pointer)}};
-    if (key.kind == QueryKind::kNumbers) parameter["explode"] = false;  // 1,2,3
+    if (key.kind == QueryKind::kNumbers) parameter.update({{"style", "form"}, {"explode", false}});  // 1,2,3
     move_references(parameter);
     parameters.push_back(std::move(parameter));
   }

@@ -12,6 +12,7 @@
 #include "renderer/frame/sky_plan.hpp"
 #include "renderer/ibl/light_cells.hpp"
 #include "renderer/residency/gpu_blocks.hpp"
+#include "renderer/scene/model_errors.hpp"
 #include "renderer/scene/model_import.hpp"
 #include "renderer/scene/occluder.hpp"
 #include "renderer/prepare.hpp"
@@ -103,7 +104,7 @@ std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, 
         animated.scene.animations = spec.animations;
         key.add(spec_hash(animated));
         const auto model = imports_.get_or_load(key.finish(), deadline, [&] {
-          return with_context("/scene/model", [&] {
+          return import_for("/scene/model", [&] {
             if (spec.model->format != ModelFormat::kGltf)
               return import_model(*spec.model, spec.up_axis, config_.import, decoder_, deadline);
             return import_gltf(decoder_, *spec.model,

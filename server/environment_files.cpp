@@ -58,12 +58,15 @@ std::map<std::string, std::int64_t> EnvironmentFiles::sizes() const {
   return sizes;
 }
 
+void EnvironmentFiles::check_name(std::string_view name) {
+  if (is_name(name)) return;
+  fail(ErrorCode::kInvalidRequest,
+       "an environment's name is 1 to 64 letters, digits, dots, hyphens and underscores, beginning with a "
+       "letter or digit");
+}
+
 bool EnvironmentFiles::put(const std::string& name, const Blob& file) {
-  if (!is_name(name)) {
-    fail(ErrorCode::kInvalidRequest,
-         "an environment's name is 1 to 64 letters, digits, dots, hyphens and underscores, beginning with a "
-         "letter or digit");
-  }
+  check_name(name);
   const std::lock_guard changing(change_mutex_);
   std::map<std::string, std::int64_t> all = sizes();
   const bool is_new = !all.contains(name);

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "renderer/assets/asset_resolver.hpp"
@@ -21,8 +22,11 @@ class EnvironmentFiles {
   // counted as 4 KiB at least, so that their number is bounded too.
   EnvironmentFiles(std::filesystem::path folder, std::int64_t budget_bytes);
 
-  // True for a new name; a name that is taken gets the new file. Errors: kInvalidRequest for a name other than 1 to 64 of
-  // A-Z a-z 0-9 . _ - beginning with a letter or digit; kTooLarge over the budget; kStorage.
+  // Errors: kInvalidRequest for a name other than 1 to 64 of A-Z a-z 0-9 . _ - beginning with a letter or digit.
+  static void check_name(std::string_view name);
+
+  // True for a new name; a name that is taken gets the new file. Errors: those of check_name; kTooLarge over the budget;
+  // kStorage.
   bool put(const std::string& name, const Blob& file);
   // Errors: kNotFound, kStorage.
   void erase(const std::string& name);

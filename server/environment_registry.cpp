@@ -50,6 +50,7 @@ api::EnvironmentReport EnvironmentRegistry::summary_of(const std::string& name, 
 
 EnvironmentRegistry::Put EnvironmentRegistry::put(const std::string& name, const Blob& file,
                                                   const Deadline& deadline) {
+  EnvironmentFiles::check_name(name);  // before any work
   Put put;
   put.report = summary_of(name, file, deadline);
   put.is_new = files_.put(name, file);

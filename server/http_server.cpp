@@ -2,11 +2,11 @@
 // lines, headers and chunks, and the writer of responses. What it leaves open is closed here, in one hook
 // (receive_head) that sees each request before the library acts on it:
 //   its job list has no bound                        -> BoundedPool
-//   its socket stream waits per byte, not in total    -> Stream over SocketIo, which also bounds the length
+//   its socket stream waits per byte, not in total    -> HttpStream over SocketIo, which also bounds the length
 //   of a head a refused body is still read to its end           -> refused from its headers, connection
 //   closed after a lingering read chunked and compressed bodies escape its limit    -> counted as they come;
 //   Content-Encoding is refused a POST without a length reads until the peer ends -> Content-Length: 0 Range
-//   is applied to any body, as often as asked   -> ranges are dropped routes and multipart heads are matched
+//   is applied to any body, as often as asked   -> its field is dropped as it comes routes and multipart heads are matched
 //   by regex   -> one route; bodies come to us raw SO_REUSEPORT lets two servers share a port        ->
 //   SO_REUSEADDR only
 #include "server/http_server.hpp"
@@ -28,6 +28,7 @@
 #include "server/byte_range.hpp"
 #include "server/preferences.hpp"
 #include "server/framing.hpp"
+#include "server/http_stream.hpp"
 #include "server/http_translation.hpp"
 #include "server/in_flight.hpp"
 #include "server/metrics.hpp"
@@ -72,24 +73,6 @@ Refusal refusal_for(ReadFault fault, Refusal too_much, Refusal otherwise) {
   if (fault == ReadFault::kTimeout) return {408, "The request came too slowly."};
   return fault == ReadFault::kTooMuch ? too_much : otherwise;
 }
-
-// The library's view of a SocketIo.
-class Stream : public httplib::Stream {
- public:
-  explicit Stream(SocketIo& io) : io_(io) {}
-  bool is_readable() const override { return true; }
-  bool is_writable() const override { return true; }
-  ssize_t read(char* out, size_t size) override { return io_.read(out, size); }
-  ssize_t write(const char* data, size_t size) override {
-    return io_.write(data, size) ? static_cast<ssize_t>(size) : -1;
-  }
-  void get_remote_ip_and_port(std::string&, int&) const override {}
-  void get_local_ip_and_port(std::string&, int&) const override {}
-  socket_t socket() const override { return io_.socket(); }
-
- private:
-  SocketIo& io_;
-};
 
 // Threads that serve connections; those beyond `max_waiting` are refused on the accepting thread.
 class BoundedPool : public httplib::ThreadPool {
@@ -331,13 +314,14 @@ void HttpServer::State::serve_connection(int socket) {
 bool HttpServer::State::serve_request(SocketIo& io, bool last) {
   Exchange exchange{io, {bodies_bytes_, config_.max_bodies_bytes}};
   current_exchange = &exchange;
-  Stream stream(io);
+  HttpStream stream(io);
   io.begin_head([this] { return pool_->under_pressure(); });
   bool closed_by_header = false;
   last = last || stopping_ || pool_->under_pressure();
-  const bool written =
-      process_request(stream, last, closed_by_header,
-                      [this, &exchange](httplib::Request& head) { receive_head(head, exchange); });
+  const bool written = process_request(stream, last, closed_by_header, [&](httplib::Request& head) {
+    stream.end_head();
+    receive_head(head, exchange);
+  });
   if (!exchange.replied) refuse_without_head(exchange);
   if (exchange.replied && (exchange.close || !exchange.head_complete))
     io.linger(pool_->under_pressure() ? kHurriedLinger : kLinger);
@@ -379,7 +363,6 @@ void HttpServer::State::receive_head(httplib::Request& head, Exchange& exchange)
   if (announces_body && !exchange.close && request.headers.contains("Expect"))
     kept.emplace("Expect", "100-continue");
   head.headers = std::move(kept);
-  head.ranges.clear();
   head.path = "/";
   exchange.io.begin_body(max_body_bytes + max_body_bytes / 4 + kChunkOverhead);
 }

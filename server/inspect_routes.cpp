@@ -1,5 +1,6 @@
 #include "server/inspect_routes.hpp"
 
+#include "renderer/scene/model_errors.hpp"
 #include "api/inspect_request.hpp"
 #include "api/model_report.hpp"
 #include "server/asset_routes.hpp"
@@ -26,7 +27,7 @@ Reply inspect_model(const Doors& doors, std::string_view document, std::map<std:
   const api::InspectRequest wanted = api::parse_inspect_request(
       document, references(doors, std::move(parts), deadline), doors.capabilities.request);
   const Admission::Seat seat = doors.admission.enter(deadline);
-  const ModelReport report = with_context("/model", [&] {
+  const ModelReport report = import_for("/model", [&] {
     return inspect_model(doors.decoder, *wanted.model, wanted.options, doors.capabilities.import, deadline);
   });
   return Reply{200, "application/json", api::model_report_json(report), {}}.with("Cache-Control", "no-store");

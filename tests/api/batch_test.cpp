@@ -71,6 +71,25 @@ TEST(Batch, ArraysAreNotGrownByIndex) {
       refusal(R"({"request":{"scene":{"nodes":[]}},"items":[{"changes":{"/scene/nodes/9x/mesh":"a"}}]})"),
       "accepted");
   EXPECT_NE(refusal(R"({"request":{"strict":true},"items":[{"changes":{"/strict/deeper":1}}]})"), "accepted");
+  // These would take all memory before anything is refused.
+  for (const char* pointer : {"/scene/nodes/2", "/scene/nodes/3000000000/mesh",
+                              "/scene/nodes/99999999999999999999", "/scene/lights/4000000000", "/a/1/2/3"}) {
+    EXPECT_NE(refusal(R"({"request":{"scene":{"nodes":[{}]}},"items":[{"changes":{")" + std::string(pointer) +
+                      R"(":{}}}]})"),
+              "accepted")
+        << pointer;
+  }
+  for (const char* pointer : {"/scene/nodes/0", "/scene/nodes/1", "/scene/nodes/-", "/scene/lights/0/type"})
+    EXPECT_EQ(refusal(R"({"request":{"scene":{"nodes":[{}]}},"items":[{"changes":{")" + std::string(pointer) +
+                      R"(":{}}}]})"),
+              "accepted")
+        << pointer;
+}
+
+TEST(Batch, PointersGoNoDeeperThanDocuments) {
+  std::string deep;
+  for (int i = 0; i < 100'000; ++i) deep += "/a";
+  EXPECT_EQ(refusal(R"({"vary":[{"pointer":")" + deep + R"(","values":[1]}]})"), "/vary/0/pointer");
 }
 
 TEST(Batch, CountsAreBounded) {

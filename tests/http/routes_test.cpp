@@ -210,7 +210,9 @@ TEST_F(RoutesTest, WhatIsInAModel) {
     EXPECT_EQ(report["notes"].at(0)["code"].text(), "normals-generated");
   }
   expect_problem(multipart(R"({"model":"part:t.gltf","gltfScene":-1})"), 422);
-  expect_problem(multipart(R"({"model":"part:t.gltf","variant":"night"})"), 422);
+  const Reply no_variant = multipart(R"({"model":"part:t.gltf","variant":"night"})");
+  expect_problem(no_variant, 422);
+  EXPECT_EQ(api::Document::parse(no_variant.body, {}).root()["pointer"].text(), "/model");
   expect_problem(multipart(R"({"model":"part:other.gltf"})"), 404);
   expect_problem(multipart("{}"), 422);
   expect_problem(inspect("{", "application/json"), 400);
