@@ -89,7 +89,7 @@ struct AssetStore::Listed {
 
 AssetStore::AssetStore(AssetStoreConfig config)
     : config_(std::move(config)),
-      partial_({config_.folder / "partial", config_.budget_bytes, 1000, config_.partial_ttl, config_.now}),
+      partial_({config_.folder / "partial", config_.budget_bytes, config_.partial_ttl, config_.now}),
       in_memory_(config_.memory_bytes, [](const Blob& blob) { return std::int64_t(blob.size()); }) {
   if (config_.folder.empty()) return;
   UploadFile::remove_abandoned(config_.folder / "uploads");

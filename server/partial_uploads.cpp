@@ -14,11 +14,14 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kEnding = ".partial";
 
+std::string ending_of(const std::string& client) {
+  return fmt::format("-{}{}", HashBuilder().add(client).finish().hex().substr(0, 16), kEnding);
+}
+
 }  // namespace
 
 fs::path PartialUploads::path_of(const Id& id) const {
-  const std::string sender = HashBuilder().add(id.client).finish().hex().substr(0, 16);
-  return config_.folder / fmt::format("{}-{}{}", id.hash.hex(), sender, kEnding);
+  return config_.folder / (id.hash.hex() + ending_of(id.client));
 }
 
 std::int64_t PartialUploads::received(const Id& id) const {
@@ -29,8 +32,12 @@ std::int64_t PartialUploads::received(const Id& id) const {
 
 UploadFile PartialUploads::open(const Id& id, std::int64_t more_bytes) {
   const std::lock_guard lock(mutex_);
-  const Sum there = sweep();
-  if (there.bytes + more_bytes > config_.budget_bytes || there.files >= config_.max_files) {
+  const Sum there = sweep(ending_of(id.client));
+  std::error_code unknown;
+  const bool is_new = !fs::exists(path_of(id), unknown);
+  if (there.bytes + more_bytes > config_.budget_bytes ||
+      (is_new &&
+       (there.files >= config_.max_files || there.files_of_sender >= config_.max_files_of_client))) {
     fail(ErrorCode::kOverloaded,
          "Too many uploads are incomplete; finish some, or try again when they are forgotten.");
   }
@@ -39,11 +46,11 @@ UploadFile PartialUploads::open(const Id& id, std::int64_t more_bytes) {
 
 void PartialUploads::remove_stale() {
   const std::lock_guard lock(mutex_);
-  sweep();
+  sweep({});
 }
 
 // What is left once that has been removed to which nothing came for long; what another writes just now stays.
-PartialUploads::Sum PartialUploads::sweep() {
+PartialUploads::Sum PartialUploads::sweep(const std::string& sender) {
   Sum sum;
   std::error_code wrong;
   for (const fs::directory_entry& entry : fs::directory_iterator(config_.folder, wrong)) {
@@ -61,6 +68,7 @@ PartialUploads::Sum PartialUploads::sweep() {
     }
     sum.bytes += bytes;
     ++sum.files;
+    if (!sender.empty() && entry.path().filename().string().ends_with(sender)) ++sum.files_of_sender;
   }
   return sum;
 }

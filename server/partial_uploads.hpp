@@ -17,10 +17,11 @@ namespace furnace {
 struct PartialUploadsConfig {
   using Time = std::filesystem::file_time_type;
   std::filesystem::path folder;
-  std::int64_t budget_bytes = 0;  // of all together
-  int max_files = 1000;
+  std::int64_t budget_bytes = 0;     // of all together
   std::chrono::milliseconds ttl{0};  // nothing came for longer: removed; 0: never
   std::function<Time()> now = Time::clock::now;
+  int max_files = 1000;
+  int max_files_of_client = 100;
 };
 
 // Threads: any. Owns: the files below its folder, which other processes may share.
@@ -44,9 +45,10 @@ class PartialUploads {
   struct Sum {
     std::int64_t bytes = 0;
     int files = 0;
+    int files_of_sender = 0;
   };
   std::filesystem::path path_of(const Id& id) const;
-  Sum sweep();
+  Sum sweep(const std::string& sender);
 
   const PartialUploadsConfig config_;
   std::mutex mutex_;  // what is counted is opened before others count

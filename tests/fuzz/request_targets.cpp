@@ -14,6 +14,7 @@
 #include "renderer/decode/messages.hpp"
 #include "renderer/scene/model_import.hpp"
 #include "server/framing.hpp"
+#include "server/multipart.hpp"
 #include "server/negotiation.hpp"
 #include "server/request_body.hpp"
 #include "tests/api/request_fixture.hpp"

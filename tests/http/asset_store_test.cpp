@@ -238,6 +238,17 @@ TEST_F(AssetStoreTest, AnOwnersAssetsKeepWithinItsQuota) {
   EXPECT_TRUE(put_for(store, "fourth", 3 * 4096).is_new);
 }
 
+TEST_F(AssetStoreTest, OneClientCannotTakeAllPlacesForWhatIsIncomplete) {
+  AssetStore store(config_);
+  const auto begin = [&](int number, std::string client) {
+    return store.resume({hash_of(std::to_string(number)), std::move(client)}, {0, 1, 10});
+  };
+  for (int i = 0; i < 100; ++i) ASSERT_NE(begin(i, "anna"), nullptr);
+  EXPECT_EQ(error_of([&] { begin(100, "anna"); }).code, ErrorCode::kOverloaded);
+  EXPECT_NE(begin(99, "anna"), nullptr) << "what was begun goes on";
+  EXPECT_NE(begin(100, "berta"), nullptr);
+}
+
 TEST_F(AssetStoreTest, WhatIsIncompleteIsBoundedAndForgotten) {
   config_.budget_bytes = 10'000;
   config_.largest_bytes = 10'000;
