@@ -131,7 +131,10 @@ Clock::duration ContextPool::overdue() const {
 ContextPoolStats ContextPool::stats() const {
   ContextPoolStats stats;
   const std::lock_guard lock(mutex_);
-  for (const auto& context : contexts_) stats.callers.push_back(context->callers);
+  for (const auto& context : contexts_) {
+    stats.callers.push_back(context->callers);
+    stats.gpu_bytes.push_back(context->resident->bytes());
+  }
   stats.renewals = renewals_;
   return stats;
 }

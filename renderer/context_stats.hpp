@@ -22,7 +22,8 @@ inline constexpr std::size_t kRenewalReasons = 4;
 std::string_view name_of(RenewalReason reason);
 
 struct ContextPoolStats {
-  std::vector<int> callers;  // of each context: drawing, waiting, or preparing what it will draw
+  std::vector<int> callers;             // of each context: drawing, waiting, or preparing what it will draw
+  std::vector<std::int64_t> gpu_bytes;  // of each: meshes, textures and environments on it
   std::array<std::int64_t, kRenewalReasons> renewals{};
 };
 

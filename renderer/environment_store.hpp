@@ -26,6 +26,8 @@ class EnvironmentStore {
   std::shared_ptr<const PreparedSky> background(const EnvironmentMapSpec& map, double blur_rad,
                                                 const Deadline& deadline, StageTimes& times);
 
+  CacheStats baked_stats() const { return baked_.stats(); }
+
  private:
   DecodedEnvironment decode(const EnvironmentMapSpec& map, const char* pointer, const Deadline& deadline,
                             StageTimes& times) const;

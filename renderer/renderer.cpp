@@ -1,7 +1,10 @@
 #include "renderer/renderer.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <mutex>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -144,6 +147,14 @@ struct Renderer::State {
 
   Film render(const RenderSpec& spec, ContextPool::Lease& context, const Deadline& deadline);
 
+  void compare_probe(const ContentHash& pixels) {
+    const std::lock_guard lock(probe_mutex);
+    if (!first_probe) first_probe = pixels;
+    if (pixels == *first_probe || !probes_are_alike) return;
+    probes_are_alike = false;
+    log::error("probe.differs", {{"first", first_probe->hex()}, {"now", pixels.hex()}});
+  }
+
   static RendererConfig within(const gl::Limits& limits, RendererConfig config) {
     config.texture.max_side_px = std::min(config.texture.max_side_px, limits.max_texture_px);
     return config;
@@ -153,6 +164,9 @@ struct Renderer::State {
   SceneStore scenes;
   const int max_tile_px;
   Fingerprint fingerprint;
+  std::mutex probe_mutex;
+  std::optional<ContentHash> first_probe;  // of its pixels; belongs to the mutex
+  std::atomic<bool> probes_are_alike = true;
 };
 
 Renderer::Renderer(const RendererConfig& config, WorkerPool& pool, Decoder& decoder)
@@ -231,6 +245,7 @@ bool Renderer::probe(const Deadline& deadline) {
     // A white furnace: whatever is drawn, every pixel is 1.
     const auto right = [](float value) { return std::abs(value - 1) <= 5e-3f; };
     const auto pixels = film.image.samples<float>();
+    state_->compare_probe(hash_bytes(film.image.pixels));
     if (!std::all_of(pixels.begin(), pixels.end(), right)) return false;
   }
   return true;
@@ -246,8 +261,8 @@ const Fingerprint& Renderer::fingerprint() const {
 const gl::Limits& Renderer::limits() const {
   return state_->contexts.limits();
 }
-ContextPoolStats Renderer::context_stats() const {
-  return state_->contexts.stats();
+RendererStats Renderer::stats() const {
+  return {state_->contexts.stats(), state_->scenes.baked_stats(), state_->probes_are_alike};
 }
 
 }  // namespace furnace

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "renderer/base/budget_cache.hpp"
 #include "renderer/base/deadline.hpp"
 #include "renderer/gl/context.hpp"
 #include "renderer/image/decode.hpp"
@@ -77,6 +78,12 @@ struct Fingerprint {
   std::string text() const;  // one line, for the Furnace-Fingerprint header
 };
 
+struct RendererStats {
+  ContextPoolStats contexts;
+  CacheStats baked;              // environments in memory
+  bool probes_are_alike = true;  // every probe so far, on every context, had the pixels of the first
+};
+
 // Threads: any. Owns: the GL threads and every cache behind them.
 class Renderer {
  public:
@@ -102,7 +109,7 @@ class Renderer {
 
   const Fingerprint& fingerprint() const;
   const gl::Limits& limits() const;
-  ContextPoolStats context_stats() const;
+  RendererStats stats() const;
 
  private:
   struct State;

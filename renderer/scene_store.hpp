@@ -35,6 +35,7 @@ class SceneStore {
 
   // Bakes an environment as a render would, for its report. Errors: those of decoding and baking.
   EnvironmentAnswer environment_summary(const EnvironmentSpec& spec, const Deadline& deadline);
+  CacheStats baked_stats() const { return environments_.baked_stats(); }
 
  private:
   std::shared_ptr<const ComposedScene> compose(const SceneSpec& spec, const Deadline& deadline, bool& hit);

@@ -34,7 +34,7 @@ int cpu_threads(const Config& config) {
 
 // One seat per core keeps the CPU stages busy, one more each GL thread.
 int seats(const Config& config, const Renderer& renderer) {
-  return config.seats > 0 ? config.seats : cores() + int(renderer.context_stats().callers.size());
+  return config.seats > 0 ? config.seats : cores() + int(renderer.stats().contexts.callers.size());
 }
 
 RendererConfig renderer_config(const Config& config) {
@@ -220,7 +220,7 @@ Application::Application(const Config& config)
              {config_.image_max_age_ms / 1000, config_.presets_only == "on"},
              &assets_,
              remote_.get(),
-             [this] { return engine_.renderer.context_stats(); },
+             [this] { return engine_.renderer.stats(); },
              config_.determinism == "exact",
              config_.max_bundle_bytes},
       job_runner_(

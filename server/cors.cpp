@@ -8,12 +8,14 @@ namespace furnace {
 namespace {
 
 constexpr std::string_view kRequestHeaders =
-    "Accept, Authorization, Content-Type, Furnace-Webhook, If-None-Match, Prefer, traceparent, tracestate, "
-    "X-Api-Key, X-Request-Id";
+    "Accept, Authorization, Content-Range, Content-Type, Furnace-Priority, Furnace-Webhook, Idempotency-Key, "
+    "If-None-Match, If-Range, Prefer, Range, traceparent, tracestate, X-Api-Key, X-Request-Id";
 constexpr std::string_view kReplyHeaders =
-    "Cache-Status, Content-Location, ETag, Furnace-Exposure-Ev, Furnace-Fingerprint, Furnace-Notes, Link, "
-    "Location, RateLimit, "
-    "RateLimit-Policy, Retry-After, Server-Timing, traceresponse, X-Request-Id";
+    "Accept-Ranges, Cache-Status, Content-Location, Content-Range, ETag, Furnace-Exposure-Ev, "
+    "Furnace-Fingerprint, "
+    "Furnace-Notes, Link, Location, Preference-Applied, RateLimit, RateLimit-Policy, Retry-After, "
+    "Server-Timing, "
+    "traceresponse, Upload-Offset, X-Request-Id";
 constexpr std::string_view kMaxAgeS = "600";
 
 std::vector<std::string> items_of(std::string_view list) {

@@ -13,6 +13,7 @@
 #include "renderer/base/log.hpp"
 #include "api/document.hpp"
 #include "api/problem.hpp"
+#include "server/byte_range.hpp"
 #include "server/gate.hpp"
 #include "server/metrics.hpp"
 
@@ -117,24 +118,26 @@ Reply Dispatcher::handle(Request request) const {
 
   Entry entry;
   Reply reply = answer(request, route, entry);
-  if (gate_ != nullptr) gate_->leave(entry, reply.status);
+  if (gate_ != nullptr) gate_->leave(entry, reply.status, reply.renders);
   for (const auto& [name, value] : entry.headers) reply.with(name, value);
   if (!entry.client.name.empty()) keep_from_shared_caches(reply);
+  serve_range(request, reply);
   add_common_headers(reply, request);
 
   const double seconds = seconds_since(start);
   metrics_.requests_in_flight.Decrement();
   metrics_.observe_request(route, reply.status, seconds);
   if (!entry.client.name.empty()) metrics_.observe_client(entry.client.name, reply.status);
-  log::info("request.done",
-            {{"method", request.method},
-             {"path", request.path},
-             {"client", entry.client.name},
-             {"parent_span_id", request.trace.parent_id},
-             {"status", reply.status},
-             {"ms", seconds * 1e3},
-             {"bytes_in", request.body.size()},
-             {"bytes_out", reply.file ? reply.file->bytes : std::int64_t(reply.body.size())}});
+  log::info("request.done", {{"method", request.method},
+                             {"path", request.path},
+                             {"client", entry.client.name},
+                             {"parent_span_id", request.trace.parent_id},
+                             {"status", reply.status},
+                             {"ms", seconds * 1e3},
+                             {"bytes_in", request.body.size()},
+                             {"bytes_out", reply.part   ? reply.part->size()
+                                           : reply.file ? reply.file->bytes
+                                                        : std::int64_t(reply.body.size())}});
   return reply;
 }
 
@@ -206,6 +209,7 @@ std::string Dispatcher::allowed_methods(std::string_view path) const {
 Reply Dispatcher::problem(const Request& request, const Error& error) const {
   const int status = api::http_status(error.code);
   log_error(error, status);
+  metrics_.observe_error(error_code_name(error.code));
   Reply reply{status,
               std::string(api::kProblemMediaType),
               api::problem_json(error, request.id, request.trace.trace_id),

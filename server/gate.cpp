@@ -184,11 +184,12 @@ Entry Gate::check(const Wish& wish, const Request& request, bool charges) {
   return entry;
 }
 
-void Gate::leave(const Entry& entry, int status) {
-  if (!entry.counted || (status >= 200 && status < 300)) return;
+void Gate::leave(const Entry& entry, int status, int renders) {
+  const int drawn = status >= 200 && status < 300 ? renders : 0;
+  if (!entry.counted || drawn == 1) return;
   const std::lock_guard lock(state_->mutex);
   const auto account = state_->accounts.find(entry.client.name);
-  if (account != state_->accounts.end()) account->second.quota.give_back();
+  if (account != state_->accounts.end()) account->second.quota.correct(drawn - 1);
 }
 
 }  // namespace furnace

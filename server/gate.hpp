@@ -58,8 +58,8 @@ class Gate {
   Entry enter(const Wish& wish, const Request& request);
   // As enter, but nothing is counted: the body is yet to come.
   Entry look(const Wish& wish, const Request& head) { return check(wish, head, false); }
-  // What was not drawn anew is not a render of the day.
-  void leave(const Entry& entry, int status);
+  // What was not drawn is not a render of the day; what turned out to be several is so many, also beyond the day's.
+  void leave(const Entry& entry, int status, int renders);
 
   const Cors& cors() const { return cors_; }
 

@@ -25,6 +25,8 @@
 #include "renderer/base/error.hpp"
 #include "renderer/base/log.hpp"
 #include "server/body_receiver.hpp"
+#include "server/byte_range.hpp"
+#include "server/preferences.hpp"
 #include "server/framing.hpp"
 #include "server/http_stream.hpp"
 #include "server/http_translation.hpp"
@@ -51,8 +53,9 @@ struct Exchange {
   bool head_complete = false;
   bool takes_interim = false;  // RFC 9110 section 15.2: clients of HTTP/1.0 know no 1xx
   bool replied = false;
-  bool close = false;     // the connection cannot carry another request
-  bool unwanted = false;  // the body is not read
+  bool close = false;       // the connection cannot carry another request
+  bool unwanted = false;    // the body is not read
+  bool has_ranges = false;  // the reply says that parts of it may be had
 
   // Before the reply is sent: a client that has it may count on the room.
   void drop_body() {
@@ -105,6 +108,12 @@ class BoundedPool : public httplib::ThreadPool {
   std::atomic<int> waiting_ = 0;
   std::atomic<int> busy_ = 0;
 };
+
+// A client may ask for less time than there is; for a job it only says how long it would wait for it.
+milliseconds time_for(const Request& request, milliseconds timeout) {
+  const Preferences prefer = parse_preferences(request.header("Prefer"));
+  return prefer.wait && !prefer.respond_async ? std::min(timeout, milliseconds(*prefer.wait)) : timeout;
+}
 
 }  // namespace
 
@@ -210,7 +219,7 @@ void HttpServer::State::install_hooks() {
       [says_hsts = tls_ != nullptr && hsts_s > 0, hsts = fmt::format("max-age={}", hsts_s)](
           const httplib::Request&, httplib::Response& out) {
         if (says_hsts) out.set_header("Strict-Transport-Security", hsts);
-        out.headers.erase("Accept-Ranges");
+        if (!current_exchange->has_ranges) out.headers.erase("Accept-Ranges");  // the library's
         if (out.status == 304)
           out.headers.erase("Content-Length");  // the picture's is not known (RFC 9110 section 15.4.5)
         if (current_exchange->close) {
@@ -375,8 +384,10 @@ bool HttpServer::State::receive_body(const httplib::ContentReader& reader, Excha
 
 void HttpServer::State::answer(Exchange& exchange, httplib::Response& out) {
   const InFlight::Entry entry(in_flight_, exchange.io, exchange.takes_interim);
-  exchange.request.deadline = Deadline(config_.timeout, entry.token());
-  fill(out, dispatcher_.handle(std::move(exchange.request)));
+  exchange.request.deadline = Deadline(time_for(exchange.request, config_.timeout), entry.token());
+  Reply reply = dispatcher_.handle(std::move(exchange.request));
+  exchange.has_ranges = says_ranges(reply);
+  fill(out, std::move(reply));
   exchange.drop_body();
   exchange.replied = true;
 }

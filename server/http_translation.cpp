@@ -32,14 +32,17 @@ void fill(httplib::Response& out, Reply reply) {
     return;
   }
   if (reply.file) {
-    out.set_content_provider(static_cast<size_t>(reply.file->bytes), reply.media_type,
-                             [file = reply.file](size_t offset, size_t length, httplib::DataSink& sink) {
-                               const std::string piece = file->read(offset, length);
+    const ByteRange sent = reply.part.value_or(ByteRange{0, reply.file->bytes});
+    out.set_content_provider(static_cast<size_t>(sent.size()), reply.media_type,
+                             [file = reply.file, first = static_cast<size_t>(sent.first)](
+                                 size_t offset, size_t length, httplib::DataSink& sink) {
+                               const std::string piece = file->read(first + offset, length);
                                return !piece.empty() && sink.write(piece.data(), piece.size());
                              });
     return;
   }
   out.body = std::move(reply.body);
+  if (reply.part) out.body = out.body.substr(std::size_t(reply.part->first), std::size_t(reply.part->size()));
   if (!reply.media_type.empty()) out.set_header("Content-Type", reply.media_type);
 }
 

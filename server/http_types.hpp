@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -64,6 +65,13 @@ struct Request {
   }
 };
 
+// Threads: a value.
+struct ByteRange {
+  std::int64_t first = 0, end = 0;  // `end` is behind the last
+
+  std::int64_t size() const { return end - first; }
+};
+
 struct Reply {
   int status = 200;
   std::string media_type;  // empty: no Content-Type
@@ -72,6 +80,8 @@ struct Reply {
   // In place of a body: gives the next piece, waits for it on the connection's thread; false with or after the last one.
   std::function<bool(std::string& piece)> stream = {};
   std::shared_ptr<const FileBody> file = {};  // instead of `body`
+  std::optional<ByteRange> part = {};         // of body or file, which alone is sent
+  int renders = 1;                            // that a key's day is charged, of a route that draws
 
   Reply& with(std::string name, std::string value) {
     headers.emplace_back(std::move(name), std::move(value));

@@ -12,6 +12,7 @@
 #include "api/stored_render.hpp"
 #include "server/job_document.hpp"
 #include "server/negotiation.hpp"
+#include "server/preferences.hpp"
 #include "server/webhook.hpp"
 
 namespace furnace {
@@ -21,7 +22,7 @@ constexpr std::string_view kJson = "application/json", kEvents = "/events";
 constexpr std::string_view kWebhook = "Furnace-Webhook";
 constexpr std::size_t kIdDigits = 32, kMostKeyBytes = 255;
 constexpr int kMostPriority = 9;
-constexpr std::chrono::milliseconds kLook{200}, kSignOfLife{10'000};
+constexpr std::chrono::milliseconds kLook{50}, kSignOfLife{10'000};
 
 Reply reply_of(int status, const Job& job) {
   Reply reply{status, std::string(kJson), job_document(job) + "\n", {}};
@@ -123,18 +124,35 @@ class EventStream {
 }  // namespace
 
 bool JobDoors::is_asked_for(const Request& request) {
-  const std::string_view prefer = request.header("Prefer");
-  const std::size_t at = prefer.find("respond-async");
-  const std::size_t end = at + std::string_view("respond-async").size();
-  const auto is_edge = [&](std::size_t i) {
-    return std::string_view(", ;\t").find(prefer[i]) != prefer.npos;
-  };
-  const bool is_asked =
-      at != prefer.npos && (at == 0 || is_edge(at - 1)) && (end == prefer.size() || is_edge(end));
+  const bool is_asked = parse_preferences(request.header("Prefer")).respond_async;
   if (!is_asked && !request.header(kWebhook).empty())
     fail(ErrorCode::kInvalidRequest,
          fmt::format("{} tells of a job's end: it goes with Prefer: respond-async.", kWebhook));
   return is_asked;
+}
+
+// Until it is finished, or the client would rather not wait any longer. It holds a thread, as a stream of events does, and
+// does not wait where there is none.
+Job JobDoors::wait_for(const Request& request, Job job, std::chrono::seconds longest) {
+  const std::shared_ptr<void> place = take_stream();
+  if (!place) return job;
+  const auto end = std::min(request.deadline.end(), Clock::now() + longest);
+  while (!is_finished(job.status) && Clock::now() < end && !request.deadline.cancelled()) {
+    std::this_thread::sleep_for(kLook);
+    std::optional<Job> now = store_.find(job.id);
+    if (!now) break;
+    job = *std::move(now);
+  }
+  return job;
+}
+
+// Null when there are as many as may be.
+std::shared_ptr<void> JobDoors::take_stream() {
+  if (++streams_ > max_streams_) {
+    --streams_;
+    return nullptr;
+  }
+  return {this, [](JobDoors* doors) { --doors->streams_; }};
 }
 
 Reply JobDoors::accept(const Request& request) {
@@ -144,29 +162,43 @@ Reply JobDoors::accept(const Request& request) {
                           request.body,
                           priority_of(request),
                           idempotency_key(request),
-                          webhook_of(request, webhooks_)};
+                          webhook_of(request, webhooks_),
+                          request.client.name};
   const JobStore::Created created = store_.create(wanted, unix_time_ms());
   log::info("job.accepted", {{"id", created.job.id}, {"is_new", created.is_new}});
   if (created.is_new) runner_.wake();
-  return reply_of(202, created.job).with("Preference-Applied", "respond-async");
+  const auto wait = parse_preferences(request.header("Prefer")).wait;
+  const Job job = wait ? wait_for(request, created.job, *wait) : created.job;
+  Reply reply =
+      wait && job.status == JobStatus::kSucceeded ? get_result(request, job.id) : reply_of(202, job);
+  if (reply.status == 200) reply.with("Content-Location", fmt::format("{}{}{}", kJobs, job.id, kJobResult));
+  return std::move(reply.with("Preference-Applied", "respond-async"));
+}
+
+// Of those that the client may see: its own, an administrator all.
+std::optional<Job> JobDoors::find(const Request& request, const std::string& id) {
+  std::optional<Job> job = store_.find(id);
+  const Client& client = request.client;
+  const bool may_see =
+      job && (job->client.empty() || job->client == client.name || (client.scopes & scope::kAdmin) != 0);
+  return may_see ? job : std::nullopt;
 }
 
 Reply JobDoors::get(const Request& request) {
   const Place place = place_of(request);
   if (place.what == kJobResult) return get_result(request, place.id);
   if (place.what == kEvents) return get_events(request, place.id);
-  const std::optional<Job> job = place.what.empty() ? store_.find(place.id) : std::nullopt;
+  const std::optional<Job> job = place.what.empty() ? find(request, place.id) : std::nullopt;
   if (!job) fail_unknown();
   return reply_of(200, *job);
 }
 
 Reply JobDoors::get_result(const Request& request, const std::string& id) {
+  const std::optional<Job> job = find(request, id);
+  if (!job) fail_unknown();
   const std::optional<std::string> file = store_.result(id);
-  if (!file) {
-    const std::optional<Job> job = store_.find(id);
-    if (!job) fail_unknown();
+  if (!file)
     fail(ErrorCode::kNotFound, fmt::format("The job has no result: it is {}.", name_of(job->status)));
-  }
   api::StoredRender render = api::decode_stored_render(*file);
   const std::string etag = hash_bytes(std::as_bytes(std::span(render.bytes))).hex();
   const bool unchanged = etag_matches(request.header("If-None-Match"), etag);
@@ -178,13 +210,9 @@ Reply JobDoors::get_result(const Request& request, const std::string& id) {
 }
 
 Reply JobDoors::get_events(const Request& request, const std::string& id) {
-  if (!store_.find(id)) fail_unknown();
-  // Each holds a thread.
-  if (++streams_ > max_streams_) {
-    --streams_;
-    fail(ErrorCode::kOverloaded, "Too many streams of events at once; ask for the job itself.");
-  }
-  const std::shared_ptr<void> place(nullptr, [this](void*) { --streams_; });
+  if (!find(request, id)) fail_unknown();
+  const std::shared_ptr<void> place = take_stream();
+  if (!place) fail(ErrorCode::kOverloaded, "Too many streams of events at once; ask for the job itself.");
   Reply reply{200, "text/event-stream", {}, {}};
   reply.stream = [stream = std::make_shared<EventStream>(store_, id, request.deadline, place)](
                      std::string& piece) { return stream->next(piece); };
@@ -193,7 +221,7 @@ Reply JobDoors::get_events(const Request& request, const std::string& id) {
 
 Reply JobDoors::remove(const Request& request) {
   const Place place = place_of(request);
-  if (!place.what.empty() || !runner_.remove(place.id)) fail_unknown();
+  if (!place.what.empty() || !find(request, place.id) || !runner_.remove(place.id)) fail_unknown();
   return Reply{204, {}, {}, {}};
 }
 

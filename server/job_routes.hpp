@@ -2,7 +2,9 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <functional>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -21,7 +23,8 @@ class JobDoors {
 
   // Whether the client would rather not wait (RFC 7240). Errors: kInvalidRequest for a webhook without a job.
   static bool is_asked_for(const Request& request);
-  // 202, or what is known of the job that came with the same Idempotency-Key. The request must have been understood already.
+  // 202, or what is known of the job that came with the same Idempotency-Key; its result, when it is there within the time that
+  // the client would wait (Prefer: respond-async, wait=10). The request must have been understood already.
   // Errors: those of JobStore::create; kInvalidRequest for a Priority or an Idempotency-Key that cannot be; kUnprocessable for
   // a webhook that is not allowed.
   Reply accept(const Request& request);
@@ -31,7 +34,10 @@ class JobDoors {
   std::int64_t unfinished_webhooks() { return store_.unfinished_deliveries(); }
 
  private:
+  Job wait_for(const Request& request, Job job, std::chrono::seconds longest);
+  std::shared_ptr<void> take_stream();
   Reply get(const Request& request);
+  std::optional<Job> find(const Request& request, const std::string& id);
   Reply get_result(const Request& request, const std::string& id);
   Reply get_events(const Request& request, const std::string& id);
   Reply remove(const Request& request);

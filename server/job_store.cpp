@@ -18,7 +18,7 @@ namespace furnace {
 
 namespace {
 
-constexpr int kSchemaVersion = 2;  // 2 knows deliveries, and makes of 1 its own
+constexpr int kSchemaVersion = 3;  // 2 knows deliveries, 3 clients; each makes of those before its own
 constexpr std::array kStatusNames = {"queued", "running", "succeeded", "failed", "cancelled"};
 
 // A file of a later version is not touched.
@@ -27,7 +27,7 @@ constexpr const char* kSchema = R"(
     number INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT UNIQUE NOT NULL, status INTEGER NOT NULL,
     priority INTEGER NOT NULL, created_ms INTEGER NOT NULL, started_ms INTEGER NOT NULL DEFAULT 0,
     finished_ms INTEGER NOT NULL DEFAULT 0, attempts INTEGER NOT NULL DEFAULT 0, problem TEXT NOT NULL DEFAULT '',
-    idempotency_key TEXT UNIQUE, request_hash TEXT NOT NULL, bytes INTEGER NOT NULL);
+    idempotency_key TEXT UNIQUE, request_hash TEXT NOT NULL, bytes INTEGER NOT NULL, client TEXT NOT NULL DEFAULT '');
   CREATE INDEX IF NOT EXISTS by_turn ON jobs(status, priority DESC, number);
   CREATE TABLE IF NOT EXISTS requests(id TEXT PRIMARY KEY, target TEXT NOT NULL, content_type TEXT NOT NULL, accept TEXT NOT NULL, body BLOB NOT NULL);
   CREATE TABLE IF NOT EXISTS results(id TEXT PRIMARY KEY, file BLOB NOT NULL);
@@ -52,6 +52,12 @@ std::string hash_of(const JobRequest& request) {
       .hex();
 }
 
+// What two clients choose is not the same; neither part has a line's end.
+std::optional<std::string> key_of(const JobRequest& request) {
+  if (!request.idempotency_key || request.client.empty()) return request.idempotency_key;
+  return fmt::format("{}\n{}", request.client, *request.idempotency_key);
+}
+
 }  // namespace
 
 std::string_view name_of(JobStatus status) {
@@ -70,13 +76,15 @@ struct JobStore::Database : Sqlite {
       return;
     }
     run(kSchema);
+    if (found == 1 || found == 2) run("ALTER TABLE jobs ADD COLUMN client TEXT NOT NULL DEFAULT ''");
     deliveries.emplace(*this);
     run(fmt::format("PRAGMA user_version={}", kSchemaVersion).c_str());
   }
 
   std::optional<Job> find(const char* column_is, std::string_view value) {
     const std::string sql = fmt::format(
-        "SELECT id, status, priority, created_ms, started_ms, finished_ms, attempts, problem FROM jobs WHERE "
+        "SELECT id, status, priority, created_ms, started_ms, finished_ms, attempts, problem, client FROM "
+        "jobs WHERE "
         "{}=?",
         column_is);
     Statement statement(*this, sql.c_str());
@@ -90,6 +98,7 @@ struct JobStore::Database : Sqlite {
     job.finished_ms = statement.number(5);
     job.attempts = int(statement.number(6));
     job.problem = statement.text(7);
+    job.client = statement.text(8);
     job.delivery = deliveries->find(job.id);
     return job;
   }
@@ -188,8 +197,9 @@ JobStore::Created JobStore::create(const JobRequest& request, std::int64_t now_m
   Database& db = database();
   Sqlite::Transaction whole(db);
   const std::string hash = hash_of(request);
-  if (request.idempotency_key) {
-    if (const auto known = db.find("idempotency_key", *request.idempotency_key)) {
+  const std::optional<std::string> own_key = key_of(request);
+  if (own_key) {
+    if (const auto known = db.find("idempotency_key", *own_key)) {
       Sqlite::Statement same(db, "SELECT 1 FROM jobs WHERE id=? AND request_hash=?");
       if (!same.bind(std::string_view(known->id)).bind(std::string_view(hash)).step())
         furnace::fail(ErrorCode::kUnprocessable, "This Idempotency-Key came with another request before.");
@@ -208,14 +218,15 @@ JobStore::Created JobStore::create(const JobRequest& request, std::int64_t now_m
   const std::string id = new_id();
   Sqlite::Statement(
       db,
-      "INSERT INTO jobs(id, status, priority, created_ms, idempotency_key, request_hash, bytes) "
-      "VALUES(?,0,?,?,?,?,?)")
+      "INSERT INTO jobs(id, status, priority, created_ms, idempotency_key, request_hash, bytes, client) "
+      "VALUES(?,0,?,?,?,?,?,?)")
       .bind(std::string_view(id))
       .bind(std::int64_t(request.priority))
       .bind(now_ms)
-      .bind(request.idempotency_key)
+      .bind(own_key)
       .bind(std::string_view(hash))
       .bind(bytes)
+      .bind(std::string_view(request.client))
       .step();
   Sqlite::Statement(db, "INSERT INTO requests VALUES(?,?,?,?,?)")
       .bind(std::string_view(id))
@@ -242,7 +253,7 @@ std::optional<JobWork> JobStore::begin(std::int64_t now_ms) {
         "WHERE status=0 ORDER BY priority DESC, number LIMIT 1");
     if (!next.step()) return std::nullopt;
     work = {next.text(0),
-            {next.text(1), next.text(2), next.text(3), next.text(4), int(next.number(5)), {}, {}}};
+            {next.text(1), next.text(2), next.text(3), next.text(4), int(next.number(5)), {}, {}, {}}};
   }
   Sqlite::Statement(db, "UPDATE jobs SET status=1, started_ms=?, attempts=attempts+1 WHERE id=?")
       .bind(now_ms)

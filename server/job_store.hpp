@@ -26,12 +26,14 @@ struct JobRequest {
   std::string target;  // path
   std::string content_type, accept, body;
   int priority = 0;                            // larger first; equals in their order
-  std::optional<std::string> idempotency_key;  // of one client's choosing: the same key is the same job
-  std::optional<Webhook> webhook = {};         // not of the requests that are read back
+  std::optional<std::string> idempotency_key;  // the same of one client is the same job; not read back
+  std::optional<Webhook> webhook = {};         // likewise
+  std::string client = {};                     // the key's name; "": anybody's
 };
 
 struct Job {
-  std::string id;  // 32 hexadecimal digits
+  std::string id;      // 32 hexadecimal digits
+  std::string client;  // as JobRequest::client
   JobStatus status = JobStatus::kQueued;
   int priority = 0;
   std::int64_t created_ms = 0, started_ms = 0, finished_ms = 0;  // since the epoch; 0: not yet

@@ -23,8 +23,14 @@ void catch_up(prometheus::Counter& counter, std::int64_t count) {
 
 Metrics::Metrics(std::string_view build)
     : requests(BuildCounter().Name("furnace_requests_total").Help("Answered requests").Register(registry_)),
+      statuses(BuildCounter()
+                   .Name("furnace_status_codes_total")
+                   .Help("Answers by status, those of no route too")
+                   .Register(registry_)),
+      errors(
+          BuildCounter().Name("furnace_errors_total").Help("Problem documents by type").Register(registry_)),
       request_seconds(BuildHistogram()
-                          .Name("furnace_request_seconds")
+                          .Name("furnace_request_duration_seconds")
                           .Help("From a complete request to its reply, the wait for a seat included")
                           .Register(registry_)),
       client_requests(BuildCounter()
@@ -32,7 +38,7 @@ Metrics::Metrics(std::string_view build)
                           .Help("Requests with an API key, by its name")
                           .Register(registry_)),
       requests_in_flight(BuildGauge()
-                             .Name("furnace_requests_in_flight")
+                             .Name("furnace_requests_in_progress")
                              .Help("Requests being answered")
                              .Register(registry_)
                              .Add({})),
@@ -46,10 +52,21 @@ Metrics::Metrics(std::string_view build)
                        .Help("Requests cancelled because the client went away")
                        .Register(registry_)
                        .Add({})),
-      seats_in_use(
-          BuildGauge().Name("furnace_seats_in_use").Help("Renders worked on").Register(registry_).Add({})),
-      queue_length(
-          BuildGauge().Name("furnace_queue_length").Help("Renders waiting").Register(registry_).Add({})),
+      seats(BuildGauge()
+                .Name("furnace_render_pool_size")
+                .Help("Renders that may be worked on at once")
+                .Register(registry_)
+                .Add({})),
+      seats_in_use(BuildGauge()
+                       .Name("furnace_render_pool_active")
+                       .Help("Renders worked on")
+                       .Register(registry_)
+                       .Add({})),
+      queue_length(BuildGauge()
+                       .Name("furnace_render_pool_waiting")
+                       .Help("Renders waiting")
+                       .Register(registry_)
+                       .Add({})),
       jobs_waiting(
           BuildGauge().Name("furnace_jobs_waiting").Help("Jobs not yet begun").Register(registry_).Add({})),
       webhooks_unfinished(BuildGauge()
@@ -87,7 +104,7 @@ Metrics::Metrics(std::string_view build)
                 .Help("What could not be drawn as asked, by code")
                 .Register(registry_)),
       stage_seconds(BuildHistogram()
-                        .Name("furnace_stage_seconds")
+                        .Name("furnace_request_span_duration_seconds")
                         .Help("Time of a render's stages")
                         .Register(registry_)),
       cache_lookups(
@@ -97,6 +114,27 @@ Metrics::Metrics(std::string_view build)
                 .Help("1 when the last probe picture was right")
                 .Register(registry_)
                 .Add({})),
+      probes_are_alike(
+          BuildGauge()
+              .Name("furnace_determinism_probe_ok")
+              .Help("1 while every probe picture, on every GL context, has the pixels of the first")
+              .Register(registry_)
+              .Add({})),
+      ibl_cache_hits(BuildCounter()
+                         .Name("furnace_ibl_cache_hits_total")
+                         .Help("Environments whose maps were in memory, or just being baked")
+                         .Register(registry_)
+                         .Add({})),
+      ibl_cache_misses(BuildCounter()
+                           .Name("furnace_ibl_cache_misses_total")
+                           .Help("Environments whose maps were read from the disk or baked")
+                           .Register(registry_)
+                           .Add({})),
+      ibl_cache_bytes(BuildGauge()
+                          .Name("furnace_ibl_cache_bytes")
+                          .Help("Maps of environments in memory")
+                          .Register(registry_)
+                          .Add({})),
       decoders(BuildGauge()
                    .Name("furnace_decoders")
                    .Help("Child processes that decode")
@@ -123,12 +161,22 @@ Metrics::Metrics(std::string_view build)
                          .Help("Child processes started")
                          .Register(registry_)
                          .Add({})),
+      contexts(BuildGauge().Name("furnace_workers").Help("GL contexts").Register(registry_).Add({})),
+      contexts_busy_percent(BuildGauge()
+                                .Name("furnace_workers_utilization")
+                                .Help("GL contexts that draw or are about to, percent")
+                                .Register(registry_)
+                                .Add({})),
       context_callers(BuildGauge()
                           .Name("furnace_context_callers")
                           .Help("Renders that draw on a GL context, or will")
                           .Register(registry_)),
+      gpu_bytes(BuildGauge()
+                    .Name("furnace_gpu_memory_bytes")
+                    .Help("Meshes, textures and environments on a GL context")
+                    .Register(registry_)),
       context_renewals(BuildCounter()
-                           .Name("furnace_context_renewals_total")
+                           .Name("furnace_worker_recycles_total")
                            .Help("GL contexts made anew, by reason")
                            .Register(registry_)),
       assets(BuildGauge().Name("furnace_assets").Help("Uploaded files kept").Register(registry_).Add({})),
@@ -152,7 +200,12 @@ Metrics::Metrics(std::string_view build)
 
 void Metrics::observe_request(std::string_view route, int status, double seconds) {
   requests.Add({{"route", std::string(route)}, {"status", std::to_string(status)}}).Increment();
+  statuses.Add({{"status", std::to_string(status)}}).Increment();
   request_seconds.Add({{"route", std::string(route)}}, kSecondsBuckets).Observe(seconds);
+}
+
+void Metrics::observe_error(std::string_view type) {
+  errors.Add({{"type", std::string(type)}}).Increment();
 }
 
 void Metrics::observe_client(const std::string& client, int status) {
@@ -161,7 +214,7 @@ void Metrics::observe_client(const std::string& client, int status) {
 
 void Metrics::observe_stages(const StageTimes& times) {
   const auto stage = [this](const char* name, double ms) {
-    stage_seconds.Add({{"stage", name}}, kSecondsBuckets).Observe(ms * kSecondsPerMs);
+    stage_seconds.Add({{"span", name}}, kSecondsBuckets).Observe(ms * kSecondsPerMs);
   };
   const auto lookup = [this](const char* cache, bool hit) {
     cache_lookups.Add({{"cache", cache}, {"result", hit ? "hit" : "miss"}}).Increment();
@@ -194,14 +247,26 @@ void Metrics::observe_decoders(const decode::PoolStats& stats) {
   catch_up(decoder_starts, stats.starts);
 }
 
-void Metrics::observe_contexts(const ContextPoolStats& stats) {
+void Metrics::observe_renderer(const RendererStats& stats) {
   const std::lock_guard lock(counting_);
-  for (std::size_t i = 0; i < stats.callers.size(); ++i)
-    context_callers.Add({{"context", std::to_string(i)}}).Set(stats.callers[i]);
+  const ContextPoolStats& pool = stats.contexts;
+  int busy = 0;
+  for (std::size_t i = 0; i < pool.callers.size(); ++i) {
+    const prometheus::Labels context = {{"context", std::to_string(i)}};
+    context_callers.Add(context).Set(pool.callers[i]);
+    gpu_bytes.Add(context).Set(double(pool.gpu_bytes[i]));
+    if (pool.callers[i] > 0) ++busy;
+  }
+  contexts.Set(double(pool.callers.size()));
+  contexts_busy_percent.Set(100.0 * busy / double(pool.callers.size()));
   for (std::size_t i = 0; i < kRenewalReasons; ++i) {
     const std::string reason(name_of(RenewalReason(i)));
-    catch_up(context_renewals.Add({{"reason", reason}}), stats.renewals[i]);
+    catch_up(context_renewals.Add({{"reason", reason}}), pool.renewals[i]);
   }
+  catch_up(ibl_cache_hits, stats.baked.hits + stats.baked.joins);
+  catch_up(ibl_cache_misses, stats.baked.loads);
+  ibl_cache_bytes.Set(double(stats.baked.bytes));
+  probes_are_alike.Set(stats.probes_are_alike ? 1 : 0);
 }
 
 std::string Metrics::text() const {

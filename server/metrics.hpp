@@ -26,12 +26,15 @@ class Metrics {
   explicit Metrics(std::string_view build);
 
   prometheus::Family<prometheus::Counter>& requests;           // route, status
+  prometheus::Family<prometheus::Counter>& statuses;           // status
+  prometheus::Family<prometheus::Counter>& errors;             // type
   prometheus::Family<prometheus::Histogram>& request_seconds;  // route
   prometheus::Family<prometheus::Counter>& client_requests;    // client, status
   prometheus::Gauge& requests_in_flight;
   prometheus::Counter& connections_refused;
   prometheus::Counter& clients_gone;
 
+  prometheus::Gauge& seats;
   prometheus::Gauge& seats_in_use;
   prometheus::Gauge& queue_length;
   prometheus::Gauge& jobs_waiting;
@@ -44,9 +47,13 @@ class Metrics {
   prometheus::Counter& not_modified;
   prometheus::Counter& pixels;
   prometheus::Family<prometheus::Counter>& notes;            // code
-  prometheus::Family<prometheus::Histogram>& stage_seconds;  // stage
+  prometheus::Family<prometheus::Histogram>& stage_seconds;  // span
   prometheus::Family<prometheus::Counter>& cache_lookups;    // cache, result
   prometheus::Gauge& ready;
+  prometheus::Gauge& probes_are_alike;
+  prometheus::Counter& ibl_cache_hits;
+  prometheus::Counter& ibl_cache_misses;
+  prometheus::Gauge& ibl_cache_bytes;
 
   prometheus::Gauge& decoders;
   prometheus::Counter& decoder_jobs;
@@ -54,7 +61,10 @@ class Metrics {
   prometheus::Counter& decoder_timeouts;
   prometheus::Counter& decoder_starts;
 
+  prometheus::Gauge& contexts;
+  prometheus::Gauge& contexts_busy_percent;
   prometheus::Family<prometheus::Gauge>& context_callers;     // context
+  prometheus::Family<prometheus::Gauge>& gpu_bytes;           // context
   prometheus::Family<prometheus::Counter>& context_renewals;  // reason
 
   prometheus::Gauge& assets;
@@ -62,10 +72,11 @@ class Metrics {
   prometheus::Counter& asset_uploads;
 
   void observe_request(std::string_view route, int status, double seconds);
+  void observe_error(std::string_view type);
   void observe_client(const std::string& client, int status);  // a key's name: as many as there are keys
   void observe_stages(const StageTimes& times);
   void observe_decoders(const decode::PoolStats& stats);
-  void observe_contexts(const ContextPoolStats& stats);
+  void observe_renderer(const RendererStats& stats);
   void observe_assets(const AssetStore::Stats& stats);
 
   std::string text() const;  // Prometheus text format

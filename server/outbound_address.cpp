@@ -1,6 +1,7 @@
 #include "server/outbound_address.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cstring>
 #include <span>
 #include <string>
@@ -75,6 +76,27 @@ std::optional<NetworkAddress> parse_network_address(std::string_view text) {
   if (::inet_pton(AF_INET, terminated.c_str(), address.bytes.data()) == 1) return address;
   address.is_v6 = ::inet_pton(AF_INET6, terminated.c_str(), address.bytes.data()) == 1;
   return address.is_v6 ? std::optional(address) : std::nullopt;
+}
+
+bool Network::contains(const NetworkAddress& address) const {
+  return address.is_v6 == prefix.is_v6 && is_within(address, {prefix.bytes, bits});
+}
+
+std::optional<Network> parse_network(std::string_view text) {
+  const std::size_t slash = text.find('/');
+  if (slash == text.npos) return std::nullopt;
+  const auto prefix = parse_network_address(text.substr(0, slash));
+  const std::string_view digits = text.substr(slash + 1);
+  int bits = 0;
+  const auto [end, fault] = std::from_chars(digits.data(), digits.data() + digits.size(), bits);
+  if (!prefix || fault != std::errc{} || end != digits.data() + digits.size() || bits < 0 ||
+      std::size_t(bits) > 8 * (prefix->is_v6 ? kV6Bytes : kV4Bytes))
+    return std::nullopt;
+  NetworkAddress first = *prefix;
+  for (std::size_t bit = std::size_t(bits); bit < 8 * kV6Bytes; ++bit)
+    first.bytes[bit / 8] &= std::uint8_t(~(0x80 >> bit % 8));
+  if (first != *prefix) return std::nullopt;
+  return Network{first, bits};
 }
 
 std::optional<NetworkAddress> network_address_of(const sockaddr& address) {

@@ -18,8 +18,18 @@ struct NetworkAddress {
   bool operator==(const NetworkAddress&) const = default;
 };
 
+// Addresses with the same first bits. Threads: a value.
+struct Network {
+  NetworkAddress prefix;  // its other bits are 0
+  int bits = 0;
+
+  bool contains(const NetworkAddress& address) const;
+};
+
 // "192.0.2.1" or "2001:db8::1", nothing else: no brackets, no zone, no octal or shortened forms.
 std::optional<NetworkAddress> parse_network_address(std::string_view text);
+// "10.0.0.0/8", "fd00::/8"; none where bits are set beyond the prefix.
+std::optional<Network> parse_network(std::string_view text);
 // None for a family that is neither IPv4 nor IPv6.
 std::optional<NetworkAddress> network_address_of(const sockaddr& address);
 

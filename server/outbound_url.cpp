@@ -129,17 +129,19 @@ std::optional<AllowList::Rule> AllowList::parse_rule(std::string_view entry) {
 
 std::string AllowList::fault(std::string_view list) {
   for (const std::string_view entry : entries_of(list))
-    if (!parse_rule(entry))
+    if (!parse_rule(entry) && !parse_network(entry))
       return fmt::format(
           "'{}' is not a host such as example.com or *.example.com, nor an origin such as "
-          "https://example.com:8443",
+          "https://example.com:8443, nor a network such as 10.0.0.0/8",
           entry);
   return {};
 }
 
 AllowList::AllowList(std::string_view list) {
-  for (const std::string_view entry : entries_of(list))
+  for (const std::string_view entry : entries_of(list)) {
     if (auto rule = parse_rule(entry)) rules_.push_back(*std::move(rule));
+    if (const auto network = parse_network(entry)) networks_.push_back(*network);
+  }
 }
 
 bool AllowList::allows(const OutboundUrl& url) const {
@@ -161,7 +163,8 @@ bool AllowList::allows(const OutboundUrl& url) const {
 }
 
 bool AllowList::allows_address(const OutboundUrl& url, const NetworkAddress& address) const {
-  if (is_public(address)) return true;
+  const auto has_it = [&](const Network& network) { return network.contains(address); };
+  if (is_public(address) || std::ranges::any_of(networks_, has_it)) return true;
   return url.address == address && std::ranges::any_of(rules_, [&](const Rule& rule) {
            return rule.kind == Rule::Kind::kOrigin && url.has_origin_of(rule.url);
          });

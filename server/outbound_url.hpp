@@ -33,7 +33,8 @@ std::optional<OutboundUrl> parse_outbound_url(std::string_view text);
 std::optional<OutboundUrl> resolve_outbound_url(const OutboundUrl& base, std::string_view reference);
 
 // "example.com" and "*.example.com" (its subdomains), which are https on port 443; an origin as "https://example.com:8443" or
-// "http://127.0.0.1:9000"; "*" is https on port 443 of any name. Separated by commas. The rest is refused.
+// "http://127.0.0.1:9000"; "*" is https on port 443 of any name; "10.0.0.0/8" is no host, but a network in which the hosts may lie.
+// Separated by commas. The rest is refused.
 // Threads: a value.
 class AllowList {
  public:
@@ -45,7 +46,7 @@ class AllowList {
   bool empty() const { return rules_.empty(); }
   bool allows(const OutboundUrl& url) const;
   // Whether the host of an allowed URL may be reached at this address: a public one; any other only where the operator wrote
-  // that very address as an origin. A name never leads to one.
+  // that very address as an origin, or a network that has it.
   bool allows_address(const OutboundUrl& url, const NetworkAddress& address) const;
 
  private:
@@ -56,6 +57,7 @@ class AllowList {
   static std::optional<Rule> parse_rule(std::string_view entry);
 
   std::vector<Rule> rules_;
+  std::vector<Network> networks_;
 };
 
 }  // namespace furnace

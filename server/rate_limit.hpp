@@ -59,13 +59,13 @@ class DayQuota {
     Allowance out;
     out.granted = used_ < per_day_;
     if (out.granted) ++used_;
-    out.left = per_day_ - used_;
+    out.left = std::max(0, per_day_ - used_);
     out.reset_s = int(kDayS - unix_s % kDayS);
     out.retry_s = out.granted ? 0 : out.reset_s;
     return out;
   }
-  // What was granted was not used.
-  void give_back() { used_ = std::max(0, used_ - 1); }
+  // What was granted turned out to be so many more, or fewer.
+  void correct(int more) { used_ = std::max(0, used_ + more); }
 
  private:
   static constexpr std::int64_t kDayS = 86'400;

@@ -195,6 +195,7 @@ Reply plain(std::string text) {
 }
 
 Reply get_metrics(const Doors& doors) {
+  doors.metrics.seats.Set(doors.admission.seats());
   doors.metrics.seats_in_use.Set(doors.admission.seats_in_use());
   doors.metrics.queue_length.Set(doors.admission.waiting());
   if (doors.jobs != nullptr) {
@@ -203,7 +204,7 @@ Reply get_metrics(const Doors& doors) {
   }
   if (doors.assets != nullptr) doors.metrics.observe_assets(doors.assets->stats());
   if (doors.decoders != nullptr) doors.metrics.observe_decoders(doors.decoders->stats());
-  if (doors.contexts) doors.metrics.observe_contexts(doors.contexts());
+  if (doors.renderer) doors.metrics.observe_renderer(doors.renderer());
   return Reply{200, "text/plain; version=0.0.4; charset=utf-8", doors.metrics.text(), {}}.with(
       "Cache-Control", "no-store");
 }

@@ -64,7 +64,7 @@ struct Doors {
   ImageUrlConfig image_urls = {};
   AssetStore* assets = nullptr;   // null: nothing can be uploaded, nor referred to
   RemoteFiles* remote = nullptr;  // null: nothing is fetched from elsewhere
-  std::function<ContextPoolStats()> contexts = {};
+  std::function<RendererStats()> renderer = {};
   bool is_exact = false;  // gl::Determinism::kExact
   std::int64_t max_bundle_bytes = 512ll << 20;
 };

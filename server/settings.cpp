@@ -93,7 +93,9 @@ constexpr std::array kSettings = {
 
     text("webhook-allow", &Config::webhook_allow, Unit::kText,
          "hosts that may be told of a job's end, separated by ',': example.com, *.example.com, "
-         "https://example.com:8443; '*': all; none: no webhooks"),
+         "https://example.com:8443; '*': all; networks in which they may lie beside public ones: 10.0.0.0/8; "
+         "none: "
+         "no webhooks"),
     text("webhook-secrets-file", &Config::webhook_secrets_file, Unit::kText,
          "file of lines NAME:whsec_BASE64, not to be read by others; all of them sign each webhook (furnace "
          "hash-key --webhook)"),

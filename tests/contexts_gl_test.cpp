@@ -55,8 +55,12 @@ TEST_F(Contexts, DrawAlikeAtOnce) {
   for (int i = 0; i < 6; ++i) callers.emplace_back([&] { wrong += pictures(three) != expected; });
   for (std::thread& caller : callers) caller.join();
   EXPECT_EQ(wrong, 0);
-  const ContextPoolStats stats = three.context_stats();
+  const ContextPoolStats stats = three.stats().contexts;
   EXPECT_EQ(stats.callers, std::vector<int>(3, 0)) << "every place was given back";
+  EXPECT_TRUE(three.stats().probes_are_alike);
+  std::int64_t gpu_bytes = 0;
+  for (const std::int64_t bytes : stats.gpu_bytes) gpu_bytes += bytes;
+  EXPECT_GT(gpu_bytes, 10'000) << "four meshes and an environment at least";
 }
 
 TEST_F(Contexts, OutliveEachOther) {
@@ -77,7 +81,7 @@ TEST_F(Contexts, AreMadeAnewAfterSoManyPictures) {
   EXPECT_EQ(pictures(renewed), expected);
   EXPECT_EQ(pictures(renewed), expected);
   EXPECT_EQ(pictures(renewed), expected);
-  const auto renewals = renewed.context_stats().renewals;
+  const auto renewals = renewed.stats().contexts.renewals;
   EXPECT_EQ(renewals[std::size_t(RenewalReason::kRenders)], 3)
       << "before the 4th, the 7th and the 10th of 12";
 }

@@ -40,13 +40,19 @@ bool ResidentKeys::contains(const ContentHash& key) const {
   const std::lock_guard lock(mutex_);
   return keys_.contains(key);
 }
-void ResidentKeys::insert(const ContentHash& key) {
+void ResidentKeys::insert(const ContentHash& key, std::int64_t bytes) {
   const std::lock_guard lock(mutex_);
   keys_.insert(key);
+  bytes_ += bytes;
 }
-void ResidentKeys::erase(const ContentHash& key) {
+void ResidentKeys::erase(const ContentHash& key, std::int64_t bytes) {
   const std::lock_guard lock(mutex_);
   keys_.erase(key);
+  bytes_ -= bytes;
+}
+std::int64_t ResidentKeys::bytes() const {
+  const std::lock_guard lock(mutex_);
+  return bytes_;
 }
 
 Residency::Residency(gl::Context& context, std::int64_t budget_bytes, std::shared_ptr<ResidentKeys> keys)

@@ -46,17 +46,20 @@ struct GpuGroundShadow {
   std::size_t bytes = 0;
 };
 
-// The keys that are resident, for the CPU side to skip decoding; a snapshot that may be old by the time it is used.
+// The keys that are resident, for the CPU side to skip decoding, and their bytes; a snapshot that may be old by the time it is
+// used.
 // Threads: any. Owns: the set.
 class ResidentKeys {
  public:
   bool contains(const ContentHash& key) const;
-  void insert(const ContentHash& key);
-  void erase(const ContentHash& key);
+  void insert(const ContentHash& key, std::int64_t bytes);
+  void erase(const ContentHash& key, std::int64_t bytes);
+  std::int64_t bytes() const;
 
  private:
   mutable std::mutex mutex_;
   std::unordered_set<ContentHash> keys_;
+  std::int64_t bytes_ = 0;
 };
 
 // Least recently used first out; what the current frame has asked for stays.
@@ -73,7 +76,7 @@ class GpuCache {
   }
   const Value* insert(const ContentHash& key, std::uint64_t frame, Value value) {
     total_bytes_ += std::int64_t(value.bytes);
-    keys_.insert(key);
+    keys_.insert(key, std::int64_t(value.bytes));
     return &entries_.insert_or_assign(key, Entry{std::move(value), frame}).first->second.value;
   }
   // The oldest entry that `frame` does not use: its last frame, or `frame` when there is none.
@@ -99,7 +102,7 @@ class GpuCache {
   };
   void forget(const ContentHash& key, const Entry& entry) {
     total_bytes_ -= std::int64_t(entry.value.bytes);
-    keys_.erase(key);
+    keys_.erase(key, std::int64_t(entry.value.bytes));
   }
 
   std::int64_t& total_bytes_;

@@ -19,6 +19,7 @@
 #include "api/document.hpp"
 #include "server/application.hpp"
 #include "server/commands/commands.hpp"
+#include "server/contact_sheet.hpp"
 
 namespace furnace {
 namespace {
@@ -65,17 +66,6 @@ RenderSpec spec_of(const fs::path& model, const Arguments& arguments) {
   return spec;
 }
 
-// Where a cell begins; RGB pictures of 8 bits.
-void paste(const Image& cell, Image& sheet, int x, int y) {
-  constexpr std::size_t kBytesPerPx = 3;
-  for (int row = 0; row < cell.extent.height; ++row) {
-    const auto from =
-        cell.samples<std::uint8_t>().subspan(std::size_t(row) * cell.row_bytes(), cell.row_bytes());
-    const std::size_t to = std::size_t(y + row) * sheet.row_bytes() + std::size_t(x) * kBytesPerPx;
-    std::copy(from.begin(), from.end(), sheet.samples<std::uint8_t>().begin() + std::ptrdiff_t(to));
-  }
-}
-
 // One line for each cell.
 void tell_cell(int index, int columns, const fs::path& model, const std::set<std::string>& notes,
                const std::string& error) {
@@ -92,20 +82,19 @@ int sheet(const Arguments& arguments) {
   gl::apply_determinism(gl::Determinism::kFast);
   const std::vector<fs::path> models = find_models(arguments.inputs);
   const int count = int(models.size());
-  const int columns = arguments.columns > 0 ? arguments.columns : int(std::ceil(std::sqrt(double(count))));
-  const int rows = (count + columns - 1) / columns;
   const int px = arguments.cell_px;
-  if (Extent{columns * px, rows * px}.area() > arguments.config.max_area_px)
+  if (ContactSheetPicture::extent_of(count, arguments.columns, px).area() > arguments.config.max_area_px)
     fail(ErrorCode::kTooLarge,
          fmt::format("{} models of {} px are too many for one sheet; ask for smaller cells", count, px));
-  Image picture = make_image({columns * px, rows * px}, 3, SampleType::kUint8, ColorSpace::kSrgb);
+  ContactSheetPicture picture(count, arguments.columns, px);
+  const int columns = picture.columns();
   Engine engine(arguments.config, {});
   int failures = 0;
   for (int i = 0; i < count; ++i) {
     const fs::path& model = models[std::size_t(i)];
     try {
       const Film film = engine.renderer.render(spec_of(model, arguments), Deadline(kModelTime));
-      paste(film.image, picture, i % columns * px, i / columns * px);
+      picture.put(i, film.image);
       std::set<std::string> codes;
       for (const Note& note : film.notes) codes.insert(api::quoted(note.code, note.code.size()));
       tell_cell(i, columns, model, codes, {});
@@ -115,7 +104,7 @@ int sheet(const Arguments& arguments) {
                 error.pointer.empty() ? error.message : error.pointer + ": " + error.message);
     }
   }
-  write_file_atomically(arguments.output, encode_png(picture, {}));
+  write_file_atomically(arguments.output, encode_png(picture.image(), {}));
   return failures == 0 ? kDone : kFailed;
 }
 
@@ -127,7 +116,8 @@ Command sheet_command(CLI::App& root) {
   arguments->config = local_config();
   command->add_option("inputs", arguments->inputs, "models, or folders that are searched for models")
       ->required();
-  command->add_option("-o,--output", arguments->output, "OUT.png; a cell stays black where a model failed")
+  command
+      ->add_option("-o,--output", arguments->output, "OUT.png; a cell stays transparent where a model failed")
       ->required();
   command->add_option("--cell", arguments->cell_px, "width and height of a model's picture, px")
       ->check(CLI::Range(16, 2048));

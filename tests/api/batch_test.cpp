@@ -14,7 +14,7 @@ namespace {
 using ::testing::SizeIs;
 
 std::vector<BatchItem> parsed(std::string_view json, int most = 100) {
-  return parse_batch(json, RequestLimits{}, most);
+  return parse_batch(json, RequestLimits{}, most).items;
 }
 
 std::string refusal(std::string_view json, int most = 100) {
@@ -117,8 +117,9 @@ TEST(Batch, DamageEndsInAnError) {
 
 TEST(Batch, TheIndexTellsOfEachItem) {
   const std::string text =
-      batch_index_json({{"a", R"({"/output/width":1})", "a.png", "", {{"code", "/p", "what"}}},
-                        {"b", "{}", "", R"({"status":422})", {}}});
+      batch_index_json({{{"a", "", R"({"/output/width":1})", "", 0}, "a.png", "", {{"code", "/p", "what"}}},
+                        {{"b", "", "{}", "", 0}, "", R"({"status":422})", {}}},
+                       0);
   const Document document = Document::parse(text, {});
   const Value items = document.root()["items"];
   ASSERT_EQ(items.size(), 2u);
@@ -127,6 +128,62 @@ TEST(Batch, TheIndexTellsOfEachItem) {
   EXPECT_EQ(items.at(0)["notes"].at(0)["code"].text(), "code");
   EXPECT_FALSE(items.at(1)["file"]);
   EXPECT_EQ(items.at(1)["problem"]["status"].integer(), 422);
+  EXPECT_FALSE(document.root()["contactSheet"]);
+  EXPECT_FALSE(document.root()["srcsets"]);
+}
+
+TEST(Batch, WidthsOfASrcsetKeepTheAspectRatio) {
+  const auto items = parsed(R"({
+    "request": {"output": {"width": 1200, "height": 800}}, "items": [{"name": "chair"}, {"name": "tall", "changes": {"/output/height": 2400}}],
+    "srcset": {"widths": [300, 600], "formats": ["webp", "png"]}})");
+  ASSERT_THAT(items, SizeIs(8));
+  EXPECT_EQ(items[0].name, "chair_300w");
+  EXPECT_EQ(items[0].srcset, "chair");
+  EXPECT_EQ(items[1].name, "chair_300w") << "the ending tells it apart";
+  EXPECT_EQ(items[2].document, R"({"output":{"format":"webp","height":400,"width":600}})");
+  EXPECT_EQ(items[7].document, R"({"output":{"format":"png","height":1200,"width":600}})");
+  EXPECT_EQ(parsed(R"({"srcset":{"widths":[10]}})")[0].document, R"({"output":{"height":10,"width":10}})");
+  EXPECT_EQ(parsed(R"({"request":{"output":{"width":1,"height":1e300}},"srcset":{"widths":[10]}})")[0].name,
+            "10w");
+
+  const std::string text = batch_index_json({{items[0], "chair_300w.webp", "", {}},
+                                             {items[1], "chair_300w.png", "", {}},
+                                             {items[2], "chair_600w.webp", "", {}},
+                                             {items[3], "", "{}", {}}},
+                                            3);
+  const Document index = Document::parse(text, {});
+  const Value sets = index.root()["srcsets"];
+  ASSERT_EQ(sets.size(), 2u);
+  EXPECT_EQ(sets.at(0)["srcset"].text(), "chair_300w.webp 300w, chair_600w.webp 600w");
+  EXPECT_EQ(sets.at(1)["srcset"].text(), "chair_300w.png 300w");
+  EXPECT_EQ(index.root()["items"].at(3)["cell"]["row"].integer(), 1);
+  EXPECT_EQ(index.root()["contactSheet"].text(), "contact-sheet.png");
+}
+
+TEST(Batch, ATurntableIsASequenceOfEveryItem) {
+  const auto items =
+      parsed(R"({"items":[{"name":"a"},{"name":"b"}],"turntable":{"frames":8,"container":"archive"}})");
+  ASSERT_THAT(items, SizeIs(2));
+  EXPECT_EQ(items[1].name, "b");
+  EXPECT_EQ(items[1].document,
+            R"({"output":{"sequence":{"container":"archive","frames":8,"turntableDegrees":360}}})");
+  EXPECT_EQ(parsed(R"({"turntable":{}})")[0].name, "turntable");
+}
+
+TEST(Batch, KindsTellTheirFaults) {
+  EXPECT_EQ(refusal(R"({"contactSheet":{}})"), "") << "a sheet of what?";
+  EXPECT_EQ(refusal(R"({"turntable":3})"), "/turntable");
+  EXPECT_EQ(refusal(R"({"srcset":{}})"), "/srcset/widths");
+  EXPECT_EQ(refusal(R"({"srcset":{"widths":[]}})"), "/srcset/widths");
+  EXPECT_EQ(refusal(R"({"srcset":{"widths":[1.5]}})"), "/srcset/widths/0");
+  EXPECT_EQ(refusal(R"({"srcset":{"widths":[0]}})"), "/srcset/widths/0");
+  EXPECT_EQ(refusal(R"({"srcset":{"widths":[10,10]}})"), "/srcset/widths/1");
+  EXPECT_EQ(refusal(R"({"srcset":{"widths":[10],"formats":["png","png"]}})"), "/srcset/formats/1");
+  EXPECT_EQ(refusal(R"({"srcset":{"widths":[10],"density":2}})"), "/srcset/density");
+  EXPECT_EQ(refusal(R"({"items":[{}],"contactSheet":{"columns":0}})"), "/contactSheet/columns");
+  EXPECT_EQ(refusal(R"({"items":[{}],"contactSheet":{"cellPx":4000}})"), "/contactSheet/cellPx");
+  EXPECT_EQ(parse_batch(R"({"items":[{}],"contactSheet":{"columns":3}})", RequestLimits{}, 9).sheet->columns,
+            3);
 }
 
 }  // namespace

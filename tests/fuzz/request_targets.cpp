@@ -61,7 +61,7 @@ void run_inspect_request(Input input) {
 void run_batch(Input input) {
   constexpr int kMostItems = 50;
   expect_problem([&] {
-    const auto items = api::parse_batch(text_of(input), {}, kMostItems);
+    const auto items = api::parse_batch(text_of(input), {}, kMostItems).items;
     FURNACE_CHECK(!items.empty() && items.size() <= kMostItems, "{} items", items.size());
     for (const api::BatchItem& item : items) {
       FURNACE_CHECK(!item.name.empty() && item.name.find('/') == std::string::npos, "{}", item.name);

@@ -88,12 +88,12 @@ class Abuse(Case):
         for half_first in (False, True):
             with self.connect() as connection:
                 connection.sendall(posted(slow()))
-                self.until(lambda: self.metric("furnace_seats_in_use") == 1)
+                self.until(lambda: self.metric("furnace_render_pool_active") == 1)
                 if half_first:
                     connection.shutdown(socket.SHUT_WR)
                     self.assertTrue(connection.recv(64).startswith(b"HTTP/1.1 102 "))
-                    self.assertEqual(self.metric("furnace_seats_in_use"), 1)
-            self.until(lambda: self.metric("furnace_seats_in_use") == 0, "it is drawn for nobody")
+                    self.assertEqual(self.metric("furnace_render_pool_active"), 1)
+            self.until(lambda: self.metric("furnace_render_pool_active") == 0, "it is drawn for nobody")
         self.assertEqual(self.metric("furnace_clients_gone_total"), gone + 2)
 
     def test_half_an_old_client_is_gone(self):

@@ -134,6 +134,24 @@ class Assets(Case):
             self.assertEqual(server.curl(f"/v1/assets/{sha256(whole)}").body, whole)
             self.assertEqual(os.listdir(os.path.join(self.data, "assets", "partial")), [])
 
+    def test_parts_of_a_file(self):
+        data = os.urandom(300_000)
+        with Server("--data", self.data) as server:
+            name = f"/v1/assets/{sha256(data)}"
+            self.put(server, data)
+            part = server.curl(name, "-H", "Range: bytes=100000-199999")
+            self.assertEqual((part.status, part.body), (206, data[100_000:200_000]))
+            self.assertEqual((part.headers["content-range"], part.headers["content-length"]), ("bytes 100000-199999/300000", "100000"))
+            self.assertEqual(server.curl(name, "-H", "Range: bytes=-5", "-H", f'If-Range: "{sha256(data)}"').body, data[-5:])
+            self.assertEqual(server.curl(name, "-H", "Range: bytes=5-", "-H", 'If-Range: "other"').body, data)
+            self.assertEqual(server.curl(name).headers["accept-ranges"], "bytes")
+            beyond = server.curl(name, "-H", "Range: bytes=300000-")
+            self.expect_problem(beyond, 416)
+            self.assertEqual(beyond.headers["content-range"], "bytes */300000")
+            picture = server.render(small())
+            kept = server.curl(picture.headers["content-location"], "-H", "Range: bytes=8-15")
+            self.assertEqual((kept.status, kept.body), (206, picture.body[8:16]))
+
     def test_forms_and_names_of_files(self):
         files = textured_quad()
         with Server("--data", self.data) as server:

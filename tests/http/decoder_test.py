@@ -88,7 +88,7 @@ class Decoders(Case):
             child, = children_of(server.process.pid)
             os.kill(child, signal.SIGSTOP)  # so that it is at work when it is killed
             process = support.curl_process(server.url + "/v1/renders", *self.flags())
-            wait_until(lambda: server.metric("furnace_requests_in_flight") == 2)  # and this very question
+            wait_until(lambda: server.metric("furnace_requests_in_progress") == 2)  # and this very question
             time.sleep(0.2)
             os.kill(child, signal.SIGKILL)
             self.expect_failed_decoder(support.answer_of(process))

@@ -259,7 +259,7 @@ class Time(FaultCase):
         with self.server("--timeout", "60s", *UNCACHED) as server:
             client = support.curl_process(f"{server.url}/v1/renders", "-H", "Content-Type: application/json", "-d",
                                           json.dumps({"output": {"width": 400, "height": 400, "samples": 16}}))
-            self.until(lambda: server.metric("furnace_seats_in_use") == 1)
+            self.until(lambda: server.metric("furnace_render_pool_active") == 1)
             self.faults.clock_offset_s = YEAR_S
             self.assertEqual(support.answer_of(client).status, 200)
 

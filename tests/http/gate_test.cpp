@@ -97,7 +97,7 @@ TEST(DayQuota, FromMidnightToMidnight) {
   const Allowance none = quota.take(kMidnight + 86'000);
   EXPECT_FALSE(none.granted);
   EXPECT_EQ(none.retry_s, 400);
-  quota.give_back();
+  quota.correct(-1);
   EXPECT_TRUE(quota.take(kMidnight + 86'399).granted);
   EXPECT_FALSE(quota.take(kMidnight + 86'399).granted);
   EXPECT_EQ(quota.take(kMidnight + 86'400).left, 1);
@@ -190,6 +190,19 @@ TEST_F(GateTest, ScopesOpenTheirRoutes) {
   EXPECT_EQ(dispatcher.handle(request).status, 401);
   EXPECT_THAT(metrics_.text(), HasSubstr("furnace_client_requests_total{client=\"put\",status=\"403\"} 3"));
   EXPECT_EQ(metrics_.text().find("key-"), std::string::npos);
+}
+
+TEST_F(GateTest, ABatchIsSoManyRenders) {
+  Gate gate({path("api"), {}, {}}, clock());
+  const Dispatcher dispatcher = behind(gate);
+  Request batch = ask("POST", "/v1/batches", "key-draw");
+  batch.headers["Content-Type"] = "application/json";
+  batch.body = R"({"items":[{"name":"a"},{"name":"b"},{"name":"c"}]})";
+  const Reply drawn = dispatcher.handle(batch);
+  EXPECT_EQ(drawn.status, 200) << drawn.body;
+  expect_problem(dispatcher.handle(ask("POST", "/v1/renders", "key-draw")), 429);
+  unix_s_ += 86'400;
+  EXPECT_EQ(dispatcher.handle(ask("POST", "/v1/renders", "key-draw")).status, 200);
 }
 
 TEST_F(GateTest, RateAndQuota) {

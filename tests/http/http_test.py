@@ -281,7 +281,7 @@ class Limits(Case):
     def test_429(self):
         with Server("--seats", "1", "--queue", "0") as server:
             first = support.curl_process(f"{server.url}/v1/renders", "-H", "Content-Type: application/json", "-d", json.dumps(slow()))
-            while server.metric("furnace_seats_in_use") == 0:
+            while server.metric("furnace_render_pool_active") == 0:
                 self.assertIsNone(first.poll(), "the slow picture was drawn before anyone could see it")
             answer = server.render(small())
             self.expect_problem(answer, 429)
@@ -297,11 +297,11 @@ class Limits(Case):
     def test_a_client_that_leaves_frees_its_seat(self):
         with Server("--seats", "1", "--queue", "0") as server:
             leaving = support.curl_process(f"{server.url}/v1/renders", "-H", "Content-Type: application/json", "-d", json.dumps(slow()))
-            while server.metric("furnace_seats_in_use") == 0:
+            while server.metric("furnace_render_pool_active") == 0:
                 self.assertIsNone(leaving.poll())
             leaving.kill()
             leaving.communicate()
-            while server.metric("furnace_seats_in_use") == 1:
+            while server.metric("furnace_render_pool_active") == 1:
                 pass  # ends when it is cancelled; the test's own time limit judges
             self.assertEqual(server.metric("furnace_clients_gone_total"), 1)
             self.expect_picture(server.render(small()), 48, 32)
@@ -310,7 +310,7 @@ class Limits(Case):
         request = {"output": {"width": 700, "height": 700, "samples": 16}}
         with Server() as server:
             working = support.curl_process(f"{server.url}/v1/renders", "-H", "Content-Type: application/json", "-d", json.dumps(request))
-            while server.metric("furnace_seats_in_use") == 0:
+            while server.metric("furnace_render_pool_active") == 0:
                 self.assertIsNone(working.poll())
             server.process.send_signal(signal.SIGTERM)
             answer = support.answer_of(working)
@@ -321,7 +321,7 @@ class Limits(Case):
     def test_sigterm_does_not_wait_for_ever(self):
         with Server("--drain-timeout", "1ms") as server:
             working = support.curl_process(f"{server.url}/v1/renders", "-H", "Content-Type: application/json", "-d", json.dumps(slow()))
-            while server.metric("furnace_seats_in_use") == 0:
+            while server.metric("furnace_render_pool_active") == 0:
                 self.assertIsNone(working.poll())
             server.process.send_signal(signal.SIGTERM)
             self.expect_problem(support.answer_of(working), 504)

@@ -82,6 +82,21 @@ TEST_F(JobStoreTest, OneKeyIsOneJob) {
   EXPECT_EQ(store.waiting(), 1);
 }
 
+TEST_F(JobStoreTest, TheKeysOfTwoClientsAreTwo) {
+  JobStore store({}, {});
+  const auto of = [&](std::string client, std::string body) {
+    JobRequest wanted = request(std::move(body), 0, "key");
+    wanted.client = std::move(client);
+    return store.create(wanted, 0);
+  };
+  const std::string annas = of("anna", "a").job.id;
+  EXPECT_TRUE(of("berta", "b").is_new);
+  EXPECT_TRUE(of("", "c").is_new);
+  EXPECT_EQ(of("anna", "a").job.id, annas);
+  EXPECT_EQ(store.find(annas)->client, "anna");
+  EXPECT_NE(refusal([&] { of("berta", "a"); }), "");
+}
+
 TEST_F(JobStoreTest, BoundsHold) {
   JobLimits limits;
   limits.max_waiting = 2;

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Renders that are answered later, with real curl against the real binary."""
+import hashlib
 import io
 import json
+import os
 import signal
 import tempfile
 import time
@@ -54,6 +56,37 @@ class Jobs(Case):
             self.expect_problem(server.curl(place), 404)
             self.expect_problem(server.curl(place + "/result"), 404)
 
+    def test_a_client_says_how_long_it_would_wait(self):
+        with Server() as server:
+            patient = server.render(small(), "-H", "Prefer: respond-async, wait=60")
+            self.expect_picture(patient, 48, 32)
+            self.assertEqual(patient.headers["preference-applied"], "respond-async")
+            self.assertRegex(patient.headers["content-location"], "^/v1/jobs/[0-9a-f]{32}/result$")
+            self.assertEqual(server.curl(patient.headers["content-location"]).body, patient.body)
+            hurried = server.render(support.slow(), "-H", "Prefer: respond-async, wait=0")
+            self.assertEqual(hurried.status, 202)
+            self.assertEqual(server.curl(hurried.headers["location"], "-X", "DELETE").status, 204)
+            self.expect_problem(server.render(support.slow(), "-H", "Prefer: wait=0"), 504)
+
+    def test_each_key_sees_its_own(self):
+        with tempfile.TemporaryDirectory() as folder:
+            keys = os.path.join(folder, "keys")
+            with open(keys, "w", encoding="ascii") as file:
+                for name in ("anna", "berta", "root"):
+                    digest = hashlib.sha256(name.encode()).hexdigest()
+                    file.write(f"{name}:{'render,admin' if name == 'root' else 'render'}:{digest}\n")
+            with Server("--api-keys-file", keys) as server:
+                as_key = lambda name: ("-H", f"X-Api-Key: {name}")
+                place = self.ask(server, small(), *as_key("anna"), "-H", 'Idempotency-Key: "k"')
+                self.assertNotEqual(place, self.ask(server, small(), *as_key("berta"), "-H", 'Idempotency-Key: "k"'))
+                self.assertEqual(place, self.ask(server, small(), *as_key("anna"), "-H", 'Idempotency-Key: "k"'))
+                for path in (place, place + "/result", place + "/events"):
+                    self.expect_problem(server.curl(path, *as_key("berta")), 404)
+                self.expect_problem(server.curl(place, "-X", "DELETE", *as_key("berta")), 404)
+                self.assertEqual(server.curl(place, *as_key("anna")).status, 200)
+                self.assertEqual(server.curl(place, *as_key("root")).status, 200)
+                self.assertEqual(server.curl(place, "-X", "DELETE", *as_key("root")).status, 204)
+
     def test_what_is_wrong_is_told_at_once_or_by_the_job(self):
         with Server() as server:
             self.expect_problem(server.render({"output": {"width": 0}}, *ASYNC), 422)
@@ -69,6 +102,32 @@ class Jobs(Case):
             self.expect_problem(server.curl(answer.headers["location"] + "/result"), 404)
             self.expect_problem(server.curl("/v1/jobs/" + "0" * 32), 404)
             self.expect_problem(server.curl("/v1/jobs/none"), 404)
+
+    def test_ready_kinds_of_batches(self):
+        batch = {"request": small(60, 40), "items": [{"name": "front"}, {"name": "side", "changes": {"/camera/orbit/azimuthDegrees": 90}}],
+                 "srcset": {"widths": [30, 15], "formats": ["webp", "png"]}, "contactSheet": {"columns": 4, "cellPx": 24}}
+        with Server() as server:
+            ask = lambda document: server.curl("/v1/batches", "-H", "Content-Type: application/json", "--data-binary", json.dumps(document))
+            answer = ask(batch)
+            self.assertEqual(answer.status, 200, answer.body[:500])
+            archive = zipfile.ZipFile(io.BytesIO(answer.body))
+            index = json.loads(archive.read("index.json"))
+            self.assertEqual({item["file"] for item in index["items"]} | {"index.json", "contact-sheet.png"}, set(archive.namelist()))
+            self.assertEqual(support.read_png(archive.read("front_15w.png"))[:2], (15, 10))
+            self.assertIn({"name": "side", "format": "webp", "srcset": "side_30w.webp 30w, side_15w.webp 15w"}, index["srcsets"])
+            self.assertEqual(index["items"][5]["cell"], {"row": 1, "column": 1})
+            width, height, channels, pixels = support.read_png(archive.read(index["contactSheet"]))
+            self.assertEqual((width, height, channels), (96, 48, 4))
+            # The picture of 24 x 16 stands in the middle of its cell.
+            self.assertEqual([pixels[y * 96 + 12][3] for y in (3, 4, 19, 20)], [0, 255, 255, 0])
+
+            answer = ask({"request": small(), "turntable": {"frames": 3}, "contactSheet": {"cellPx": 16}})
+            self.assertEqual(answer.status, 200, answer.body[:500])
+            archive = zipfile.ZipFile(io.BytesIO(answer.body))
+            self.assertEqual(set(archive.namelist()), {"turntable.png", "contact-sheet.png", "index.json"})
+            self.assertIn(b"acTL", archive.read("turntable.png"))
+            self.assertEqual(self.expect_problem(ask({"vary": [{"pointer": "/output/width", "values": list(range(10, 110))}],
+                                                      "contactSheet": {"cellPx": 2048}}), 413)["pointer"], "/contactSheet")
 
     def test_a_batch_is_an_archive_at_once_or_later(self):
         batch = {"request": small(), "items": [{"name": "front", "changes": {"/camera/orbit/azimuthDegrees": 0}}, {"name": "back"}],

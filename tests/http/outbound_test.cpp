@@ -226,7 +226,13 @@ TEST(AllowList, Faults) {
                            "*example.com",
                            "127.0.0.1",
                            "*.127.0.0.1",
-                           "10.0.0.0/8",
+                           "10.0.0.1/8",
+                           "10.0.0.0/33",
+                           "10.0.0.0/",
+                           "10.0.0/8",
+                           "10.0.0.0/-1",
+                           "10.0.0.0/8/8",
+                           "fd00::/129",
                            "[::1]",
                            "example.com.",
                            "exa mple.com",
@@ -252,6 +258,25 @@ TEST(AllowList, OnlyAnAddressThatWasWrittenMayBePrivate) {
   EXPECT_FALSE(may("http://127.0.0.1:9001/", "127.0.0.1"));
   EXPECT_TRUE(may("http://[::1]:9000/", "::1"));
   EXPECT_FALSE(may("http://[::1]:9000/", "127.0.0.1"));
+}
+
+TEST(AllowList, HostsMayLieInANetworkThatWasWritten) {
+  const AllowList list("http://app:3000, example.com, 10.0.0.0/9, fd00:1::/33, 192.0.2.7/32");
+  const auto may = [&](const char* url, const char* address) {
+    return list.allows_address(*parse_outbound_url(url), *parse_network_address(address));
+  };
+  EXPECT_TRUE(list.allows(*parse_outbound_url("http://app:3000/hook")));
+  EXPECT_FALSE(list.allows(*parse_outbound_url("http://10.0.0.1/"))) << "a network is no host";
+  EXPECT_TRUE(may("http://app:3000/", "10.0.0.0"));
+  EXPECT_TRUE(may("http://app:3000/", "10.127.255.255"));
+  EXPECT_FALSE(may("http://app:3000/", "10.128.0.0"));
+  EXPECT_FALSE(may("http://app:3000/", "127.0.0.1"));
+  EXPECT_TRUE(may("https://example.com/", "fd00:1:7fff::1"));
+  EXPECT_FALSE(may("https://example.com/", "fd00:1:8000::1"));
+  EXPECT_TRUE(may("https://example.com/", "192.0.2.7"));
+  EXPECT_FALSE(may("https://example.com/", "192.0.2.6"));
+  EXPECT_FALSE(may("https://example.com/", "::ffff:10.0.0.1"))
+      << "it is asked for as what it carries, or not";
 }
 
 }  // namespace

@@ -8,10 +8,12 @@
 #include <gtest/gtest.h>
 
 #include "renderer/base/error.hpp"
+#include "server/byte_range.hpp"
 #include "server/content_range.hpp"
 #include "server/framing.hpp"
 #include "server/multipart.hpp"
 #include "server/negotiation.hpp"
+#include "server/preferences.hpp"
 
 namespace furnace {
 namespace {
@@ -92,6 +94,74 @@ TEST(Framing, RequestIds) {
   EXPECT_FALSE(is_sane_request_id(std::string(65, 'a')));
   EXPECT_NE(new_request_id(), new_request_id());
   EXPECT_TRUE(is_sane_request_id(new_request_id()));
+}
+
+// --- preferences
+// --------------------------------------------------------------------------------------------------------
+
+TEST(Prefer, WhatTheRfcWrites) {
+  using std::chrono::seconds;
+  EXPECT_TRUE(parse_preferences("respond-async").respond_async);
+  EXPECT_TRUE(parse_preferences("Respond-Async, wait=100").respond_async);
+  EXPECT_EQ(parse_preferences("Respond-Async, wait=100").wait, seconds(100));
+  EXPECT_EQ(parse_preferences(" return=minimal; foo=\"a\" , Wait = \"20\" ;x=y,wait=3").wait, seconds(20));
+  EXPECT_EQ(parse_preferences("wait=0").wait, seconds(0));
+  EXPECT_EQ(parse_preferences("wait=2000000000").wait, seconds(86'400));
+  for (const char* other :
+       {"", ",", "wait", "wait=", "wait=-1", "wait=1.5", "wait=x", "wait=99999999999", "waits=1"})
+    EXPECT_FALSE(parse_preferences(other).wait) << other;
+  for (const char* other :
+       {"respond-async=1", "no-respond-async", "respond-asynchronously", "foo; respond-async"})
+    EXPECT_FALSE(parse_preferences(other).respond_async) << other;
+}
+
+// --- parts of replies
+// --------------------------------------------------------------------------------------------------------
+
+TEST(ByteRanges, OneRangeOrTheWhole) {
+  using Kind = RangeWish::Kind;
+  const auto part = [](std::string_view field) {
+    const RangeWish wish = wished_range(field, 10);
+    EXPECT_EQ(wish.kind, Kind::kPart) << field;
+    return std::pair(wish.part.first, wish.part.end);
+  };
+  EXPECT_EQ(part("bytes=0-0"), std::pair(0l, 1l));
+  EXPECT_EQ(part("bytes=2-5"), std::pair(2l, 6l));
+  EXPECT_EQ(part("bytes=2-"), std::pair(2l, 10l));
+  EXPECT_EQ(part("bytes=2-99999999999999999999"), std::pair(2l, 10l));
+  EXPECT_EQ(part("bytes=-3"), std::pair(7l, 10l));
+  EXPECT_EQ(part("bytes=-30"), std::pair(0l, 10l));
+  for (const char* none : {"bytes=10-", "bytes=10-20", "bytes=99999999999999999999-", "bytes=-0"})
+    EXPECT_EQ(wished_range(none, 10).kind, Kind::kNone) << none;
+  for (const char* whole : {"", "bytes", "bytes=", "bytes=-", "bytes=5-2", "bytes=0-1,3-4", "items=0-1",
+                            "bytes=a-b", "bytes=1-b", "bytes= 0-1", "bytes=0-1-2", "bytes=--1"})
+    EXPECT_EQ(wished_range(whole, 10).kind, Kind::kWhole) << whole;
+}
+
+TEST(ByteRanges, OnlyOfWhatStaysTheSame) {
+  const auto served = [](const char* method, std::map<std::string, std::string, HeaderLess> headers,
+                         std::string tag) {
+    Request request;
+    request.method = method;
+    request.headers = std::move(headers);
+    Reply reply{200, "image/png", "0123456789", {}};
+    if (!tag.empty()) reply.with("ETag", std::move(tag));
+    serve_range(request, reply);
+    return reply;
+  };
+  const Reply part = served("GET", {{"Range", "bytes=2-3"}}, "\"a\"");
+  EXPECT_EQ(part.status, 206);
+  EXPECT_EQ(part.headers.back(), std::pair(std::string("Content-Range"), std::string("bytes 2-3/10")));
+  EXPECT_EQ(served("GET", {{"Range", "bytes=2-3"}, {"If-Range", "\"a\""}}, "\"a\"").status, 206);
+  EXPECT_EQ(served("GET", {{"Range", "bytes=2-3"}, {"If-Range", "\"b\""}}, "\"a\"").status, 200);
+  EXPECT_EQ(served("GET", {{"Range", "bytes=2-3"}}, "W/\"a\"").status, 200);
+  EXPECT_EQ(served("GET", {{"Range", "bytes=2-3"}}, "").status, 200);
+  EXPECT_EQ(served("POST", {{"Range", "bytes=2-3"}}, "\"a\"").status, 200);
+  EXPECT_EQ(served("HEAD", {{"Range", "bytes=2-3"}}, "\"a\"").status, 200);
+  const Reply none = served("GET", {{"Range", "bytes=10-"}}, "\"a\"");
+  EXPECT_EQ(none.status, 416);
+  EXPECT_EQ(none.headers.back().second, "bytes */10");
+  EXPECT_EQ(served("GET", {}, "\"a\"").headers.back().first, "Accept-Ranges");
 }
 
 // --- ranges of uploads

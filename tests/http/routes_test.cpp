@@ -333,7 +333,7 @@ TEST_F(RoutesTest, MetricsCountWhatHappened) {
   EXPECT_THAT(text, HasSubstr("furnace_requests_total{route=\"/v1/renders\",status=\"200\"} 1"));
   EXPECT_THAT(text, HasSubstr("furnace_requests_total{route=\"none\",status=\"404\"} 1"));
   EXPECT_THAT(text, HasSubstr("furnace_renders_total 1"));
-  EXPECT_THAT(text, HasSubstr("furnace_stage_seconds_count{stage=\"draw\"} 1"));
+  EXPECT_THAT(text, HasSubstr("furnace_request_span_duration_seconds_count{span=\"draw\"} 1"));
 }
 
 TEST_F(RoutesTest, OperationsCanLeaveMetricsToTheOtherListener) {

@@ -210,8 +210,8 @@ class Tls(Case):
                 self.assertTrue(parts[-1].startswith(b"200 "), parts)
             with self.connect(server) as connection:
                 connection.sendall(posted(slow()))
-                self.until(lambda: self.metric(admin, "furnace_seats_in_use") == 1)
-            self.until(lambda: self.metric(admin, "furnace_seats_in_use") == 0)
+                self.until(lambda: self.metric(admin, "furnace_render_pool_active") == 1)
+            self.until(lambda: self.metric(admin, "furnace_render_pool_active") == 0)
             self.assertEqual(self.metric(admin, "furnace_clients_gone_total"), 1)
 
 
