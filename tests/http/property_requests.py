@@ -20,10 +20,11 @@ SKY = support.write_hdr(16, 8, lambda x, y: (128, 128, 128 + 8 * x, 128))
 HEADERS = {
     "Accept": ["*/*", "image/png", "image/webp, image/*;q=0.5", "image/x-exr", "image/*;q=0", "text/html", "application/json", "", ";q=1", "image/png;q=abc",
                "image/jpeg;q=1.0000001", ",".join(["a/b"] * 300), "image/apng", "application/zip", "\xff/\xfe"],
-    "Prefer": ["respond-async", "respond-async, wait=5", "wait=10", "respond-asyncs", ";;;", "RESPOND-ASYNC", "x" * 1000],
+    "Prefer": ["respond-async", "respond-async, wait=5", "wait=10", "wait=99999999999", "wait=-1", 'respond-async;a="b,c", wait="1"', "respond-asyncs", ";;;", "RESPOND-ASYNC", "x" * 1000],
     "Idempotency-Key": ['"one"', "one", '"two"', '""', "x" * 300, "\xfc", '"a\\"b"', '"'],
     "If-None-Match": ["*", '"0"', 'W/"' + "0" * 64 + '"', ",,,", '"', '"a", "b", *'],
-    "Range": ["bytes=0-0", "bytes=-1", "bytes=5-1", "lines=1", "bytes=" + "0-," * 50],
+    "Range": ["bytes=0-0", "bytes=-1", "bytes=5-1", "lines=1", "bytes=99999999-", "bytes=0-99999999999999999999", "bytes=-0", "bytes=1-", "bytes=" + "0-," * 50],
+    "If-Range": ['"0"', 'W/"a"', "Mon, 23 Nov 2026 03:30:43 GMT", "x"],
     "Content-Range": ["bytes 0-4/10", "bytes */10", "bytes 5-1/10", "bytes 0-0/*", "bytes 0-99999999999999999999/1", "bytes 0-9223372036854775807/9223372036854775807",
                       "", "0-4/10", "bytes 1-1/2", "bytes -1-4/10", "bytes */0", "bytes 0-4/5"],
     "Furnace-Priority": ["0", "9", "10", "-1", "a", "1.5", "9" * 30, " 3", "+1"],
@@ -276,6 +277,10 @@ class Requests:
                {"/a" * 70: 1}, {"x": chance.choice(STRANGE)}]
         for item in value.get("items", ()):
             item["changes"] = chance.choice(odd if chance.random() < 0.15 else changes)
+        quick = {"turntable": {"frames": 2}, "srcset": {"widths": [8, 9], "formats": ["png", "webp"]}, "contactSheet": {"cellPx": 16}}
+        for name in set(quick) & set(value):
+            if chance.random() < 0.7:
+                value[name] = quick[name]
         for dimension in value.get("vary", ()):
             if chance.random() < 0.7:
                 dimension.update(chance.choice([{"pointer": "/output/width", "values": [4, 5]}, {"pointer": "/strict", "values": [False]}]))

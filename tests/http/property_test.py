@@ -175,8 +175,9 @@ class Contract:
         with zipfile.ZipFile(io.BytesIO(answer.body)) as archive:
             expect(archive.testzip() is None, "a damaged archive")
             if "index.json" in archive.namelist():
-                items = json.loads(archive.read("index.json"))["items"]
-                files = [item["file"] for item in items if "file" in item]
+                index = json.loads(archive.read("index.json"))
+                items = index["items"]
+                files = [item["file"] for item in items if "file" in item] + ([index["contactSheet"]] if "contactSheet" in index else [])
                 expect(sorted([*files, "index.json"]) == sorted(archive.namelist()), "the index tells of other files", archive.namelist())
                 for item in items:
                     expect(("file" in item) != ("problem" in item) and self.problem.accepts(item.get("problem", self.problem.node["examples"][0])), item)
@@ -233,7 +234,8 @@ class Run:
         self.contract.check(request, answer)
         if answer.status == 422:
             again = {(entry["pointer"], entry["detail"]) for entry in json.loads(answer.body).get("errors", ())} & told
-            again = [entry for entry in again if not re.search(r"/\d", entry[0])]
+            # A default may be more than this server allows, too.
+            again = [(place, detail) for place, detail in again if not re.search(r"/\d", place) and "than this server's" not in detail]
             expect(not again, "is told of what was left out:", again)
         self.statuses[("mended", answer.status)] += 1
         return request, answer
@@ -241,7 +243,7 @@ class Run:
     def check_head(self, request, answer):
         head = self.ask(request, "HEAD")
         expect(head.body == b"", "HEAD has a body")
-        if request.operation["operationId"] in CHANGING:
+        if request.operation["operationId"] in CHANGING or "Range" in request.headers:
             return
         expect(head.status == answer.status, "HEAD is answered", head.status)
         ours, theirs = ({name: value for name, value in one.headers.items() if name not in OF_EACH} for one in (answer, head))
@@ -257,7 +259,7 @@ class Run:
         self.failures.append(number)
         print(f"\nFAILED: {type(why).__name__}: {why}\n--seed {self.seed} --only {number}: {request.operation['operationId']}, fits: {request.fits}\n"
               f"{request.method} {request.target}\n{request.headers}\n{(request.text or request.body or '')[:3000]!r}\n-> "
-              + (f"{answer.status} {answer.headers}\n{answer.body[:2000]!r}" if answer else "no answer"), flush=True)
+              + (f"{answer.status} {answer.headers}\n{answer.body[:1000]!r}" if answer else "no answer"), flush=True)
 
     def wait_for_jobs(self):
         end = time.monotonic() + support.PATIENCE_S
