@@ -6,7 +6,7 @@
 //   of a head a refused body is still read to its end           -> refused from its headers, connection
 //   closed after a lingering read chunked and compressed bodies escape its limit    -> counted as they come;
 //   Content-Encoding is refused a POST without a length reads until the peer ends -> Content-Length: 0 Range
-//   is applied to any body, as often as asked   -> its field is dropped as it comes routes and multipart heads are matched
+//   is applied to any body, as often as asked   -> its field is kept from it routes and multipart heads are matched
 //   by regex   -> one route; bodies come to us raw SO_REUSEPORT lets two servers share a port        ->
 //   SO_REUSEADDR only
 #include "server/http_server.hpp"
@@ -319,7 +319,8 @@ bool HttpServer::State::serve_request(SocketIo& io, bool last) {
   bool closed_by_header = false;
   last = last || stopping_ || pool_->under_pressure();
   const bool written = process_request(stream, last, closed_by_header, [&](httplib::Request& head) {
-    stream.end_head();
+    if (std::string range = stream.end_head(); !range.empty())
+      head.headers.emplace("Range", std::move(range));
     receive_head(head, exchange);
   });
   if (!exchange.replied) refuse_without_head(exchange);

@@ -11,13 +11,14 @@
 namespace furnace {
 
 // A head goes on without its Range field: the library would answer 416 to one that it cannot read, whatever the method and
-// the unit, and both must be ignored where no ranges are given out (RFC 9110 section 14.2).
+// the unit, and would cut bodies by those that it can. Ranges are ours to serve (server/byte_range.hpp).
 // Threads: one. Owns: the line that is being read.
 class HttpStream : public httplib::Stream {
  public:
   explicit HttpStream(SocketIo& io) : io_(io) {}
 
-  void end_head() { in_head_ = false; }
+  // What follows is no head. Gives the head's Range, empty without one; of several fields the values with commas between.
+  std::string end_head();
 
   bool is_readable() const override { return true; }
   bool is_writable() const override { return true; }
@@ -29,10 +30,12 @@ class HttpStream : public httplib::Stream {
 
  private:
   bool next_line();
+  bool takes_range();
 
   SocketIo& io_;
   bool in_head_ = true;
   bool in_fields_ = false;  // the request's line has been read
+  std::string range_;
   std::string line_;
   std::size_t next_ = 0;  // first byte of line_ not yet read
 };

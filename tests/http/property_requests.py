@@ -20,10 +20,11 @@ SKY = support.write_hdr(16, 8, lambda x, y: (128, 128, 128 + 8 * x, 128))
 HEADERS = {
     "Accept": ["*/*", "image/png", "image/webp, image/*;q=0.5", "image/x-exr", "image/*;q=0", "text/html", "application/json", "", ";q=1", "image/png;q=abc",
                "image/jpeg;q=1.0000001", ",".join(["a/b"] * 300), "image/apng", "application/zip", "\xff/\xfe"],
-    "Prefer": ["respond-async", "respond-async, wait=5", "wait=10", "respond-asyncs", ";;;", "RESPOND-ASYNC", "x" * 1000],
+    "Prefer": ["respond-async", "respond-async, wait=5", "wait=10", "wait=99999999999", "wait=-1", 'respond-async;a="b,c", wait="1"', "respond-asyncs", ";;;", "RESPOND-ASYNC", "x" * 1000],
     "Idempotency-Key": ['"one"', "one", '"two"', '""', "x" * 300, "\xfc", '"a\\"b"', '"'],
     "If-None-Match": ["*", '"0"', 'W/"' + "0" * 64 + '"', ",,,", '"', '"a", "b", *'],
-    "Range": ["bytes=0-0", "bytes=-1", "bytes=5-1", "lines=1", "bytes=" + "0-," * 50],
+    "Range": ["bytes=0-0", "bytes=-1", "bytes=5-1", "lines=1", "bytes=99999999-", "bytes=0-99999999999999999999", "bytes=-0", "bytes=1-", "bytes=" + "0-," * 50],
+    "If-Range": ['"0"', 'W/"a"', "Mon, 23 Nov 2026 03:30:43 GMT", "x"],
     "Content-Range": ["bytes 0-4/10", "bytes */10", "bytes 5-1/10", "bytes 0-0/*", "bytes 0-99999999999999999999/1", "bytes 0-9223372036854775807/9223372036854775807",
                       "", "0-4/10", "bytes 1-1/2", "bytes -1-4/10", "bytes */0", "bytes 0-4/5"],
     "Furnace-Priority": ["0", "9", "10", "-1", "a", "1.5", "9" * 30, " 3", "+1"],
@@ -90,16 +91,27 @@ def fits(schema, text):
         return False
 
 
+def data_uri(media_type, data):
+    return f"data:{media_type};base64,{base64.b64encode(data).decode()}"
+
+
 class Files:
     """What requests may name, and what the server has told of so far."""
 
     def __init__(self):
         quad = support.textured_quad()
-        self.parts = {"model": quad["quad.gltf"], "quad.bin": quad["quad.bin"], "red.png": quad["red.png"], "sky": SKY, "red": quad["red.png"]}
+        self.whole = json.dumps({**json.loads(quad["quad.gltf"]), "images": [{"uri": data_uri("image/png", quad["red.png"])}],
+                                 "buffers": [{"uri": data_uri("application/octet-stream", quad["quad.bin"]), "byteLength": len(quad["quad.bin"])}]}).encode()
+        self.parts = {"model": self.whole, "quad.gltf": quad["quad.gltf"], "quad.bin": quad["quad.bin"], "red.png": quad["red.png"], "sky": SKY, "red": quad["red.png"]}
         self.quad = quad
         self.assets, self.jobs, self.tags = ["0" * 64], ["0" * 32], ["0" * 64]
+        self.received = {}  # address of an upload in pieces -> bytes that have come
 
-    def learn(self, answer):
+    def learn(self, request, answer):
+        if "upload-offset" in answer.headers:
+            self.received[request.target] = int(answer.headers["upload-offset"])
+        elif request.method == "PUT":
+            self.received.pop(request.target, None)
         place = answer.headers.get("location", "")
         for kept, prefix in ((self.assets, "/v1/assets/"), (self.jobs, "/v1/jobs/")):
             if place.startswith(prefix):
@@ -176,6 +188,8 @@ class Requests:
         target = path
         for parameter in (entry for entry in parameters if entry["in"] == "path"):
             target = target.replace("{" + parameter["name"] + "}", self.path_text(parameter["name"], chance))
+        if operation["operationId"] == "putAsset" and chance.random() < 0.5:
+            headers["Content-Range"], body = self.piece(target, body, chance)
         if operation["operationId"] == "renderUrl":
             query, is_fit = self.query([entry for entry in parameters if entry["in"] == "query"], chance)
             target += "?" + query
@@ -263,6 +277,10 @@ class Requests:
                {"/a" * 70: 1}, {"x": chance.choice(STRANGE)}]
         for item in value.get("items", ()):
             item["changes"] = chance.choice(odd if chance.random() < 0.15 else changes)
+        quick = {"turntable": {"frames": 2}, "srcset": {"widths": [8, 9], "formats": ["png", "webp"]}, "contactSheet": {"cellPx": 16}}
+        for name in set(quick) & set(value):
+            if chance.random() < 0.7:
+                value[name] = quick[name]
         for dimension in value.get("vary", ()):
             if chance.random() < 0.7:
                 dimension.update(chance.choice([{"pointer": "/output/width", "values": [4, 5]}, {"pointer": "/strict", "values": [False]}]))
@@ -280,7 +298,10 @@ class Requests:
             return kind, data, text, is_fit
         if kind == "multipart/form-data":
             return (*self.form([("request", None, data), *((name, None, part) for name, part in self.files.parts.items())], chance), text, is_fit)
-        return kind, spoiled_bytes(chance.choice(list(self.files.quad.values())), chance), None, None
+        return kind, spoiled_bytes(self.any_file(chance), chance), None, None
+
+    def any_file(self, chance):
+        return self.files.whole if chance.random() < 0.5 else chance.choice([*self.files.quad.values(), SKY, b"", b"x", b"PK\5\6" + b"\0" * 18])
 
     def form(self, parts, chance):
         boundary = chance.choice(["b", "a" * 70, "x'()+_,-./:=?"])
@@ -292,15 +313,39 @@ class Requests:
             body += f'--{boundary}\r\nContent-Disposition: form-data; name="{name}"{file_text}\r\n\r\n'.encode() + data + b"\r\n"
         return f'multipart/form-data; boundary="{boundary}"', body + f"--{boundary}--\r\n".encode()
 
+    def piece(self, target, whole, chance):
+        """The next one of an upload, mostly."""
+        first = self.files.received.get(target, 0)
+        last = max(first, min(len(whole) - 1, first + chance.choice([0, 10, 1000, 10_000])))
+        if chance.random() < 0.15:
+            return f"bytes */{len(whole)}", b""
+        if chance.random() < 0.15:
+            first += chance.choice([-1, 1, 100])
+        return f"bytes {first}-{last}/{len(whole)}", whole[max(first, 0):last + chance.choice([1] * 8 + [0, 2])]
+
     def bytes_of(self, operation_id, chance):
         """A file, whose hash is known from then on."""
-        data = chance.choice([*self.files.quad.values(), SKY, b"", b"x", b"PK\5\6" + b"\0" * 18, chance.randbytes(chance.choice([1, 5, 5000]))])
+        data = self.any_file(chance) if chance.random() < 0.8 else chance.randbytes(chance.choice([1, 5, 5000]))
         if operation_id == "putEnvironment":
             data = SKY if chance.random() < 0.5 else data
         if operation_id == "postAsset" and chance.random() < 0.3:
             return (*self.form([("a", "a.bin", data), ("b", None, b"b")][:chance.randint(0, 2)], chance), None, None)
         self.files.assets.append(hashlib.sha256(data).hexdigest())
         return chance.choice(["application/octet-stream", "model/gltf-binary", "text/html", "image/x-exr"]), spoiled_bytes(data, chance), None, None
+
+
+def without(request, places):
+    """The same request without what stands at some places of its document."""
+    document = strictly(request.text)
+    for place in sorted(places, key=len, reverse=True):
+        above, _, last = place.rpartition("/")
+        try:
+            holder = find(document, above)
+            del holder[int(last) if isinstance(holder, list) else last.replace("~1", "/").replace("~0", "~")]
+        except (LookupError, ValueError, TypeError):
+            continue
+    text = json.dumps(document)
+    return request._replace(text=text, body=text.encode())
 
 
 def spoiled_bytes(data, chance):

@@ -183,9 +183,9 @@ class Maker:
         for rule in node.get("not", {}).get("anyOf", ()):
             if schema.at(rule).accepts(value):
                 del value[chance.choice([name for name in rule["required"] if name not in required])]
-        for choice in node.get("anyOf", ())[:1]:
-            for name in choice.get("required", ()):
-                value.setdefault(name, self.make(schema.at(members[name]), depth + 1))
+        if "anyOf" in node and not any(schema.at(choice).accepts(value) for choice in node["anyOf"]):
+            for name in chance.choice(node["anyOf"])["required"]:
+                value[name] = self.make(schema.at(members[name]), depth + 1)
         return value
 
 
