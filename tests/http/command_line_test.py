@@ -102,9 +102,10 @@ class CommandLine(Case):
             self.assertEqual((cells[1]["row"], cells[1]["column"]), (0, 1))
             with open(os.path.join(folder, "sheet.png"), "rb") as file:
                 width, height, channels, pixels = support.read_png(file.read())
-            self.assertEqual((width, height, channels), (64, 32, 3))
-            self.assertEqual(pixels[0], (0, 0, 0))
-            self.assertGreater(max(pixels[16 * 64 + 48]), 0)
+            self.assertEqual((width, height, channels), (64, 32, 4))
+            self.assertEqual(pixels[0], (0, 0, 0, 0), "the cell of a model that failed")
+            self.assertEqual(pixels[16 * 64 + 48][3], 255)
+            self.assertGreater(max(pixels[16 * 64 + 48][:3]), 0)
             self.run_furnace("sheet", "absent", "-o", "sheet.png", status=1, folder=folder)
 
     def test_inspect_a_model(self):

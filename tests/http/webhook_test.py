@@ -199,7 +199,7 @@ class Webhooks(Case):
 
     def test_settings_that_cannot_be(self):
         for flags in (("--webhook-allow", "example.com"), ("--webhook-allow", "example.com/path", "--webhook-secrets-file", self.keys),
-                      ("--remote-allow", "10.0.0.0/8")):
+                      ("--remote-allow", "10.0.0.1/8")):
             told = support.subprocess.run([support.FURNACE, "check-config", *flags], capture_output=True, text=True, check=False)
             self.assertEqual(told.returncode, 1, told)
             self.assertIn(flags[0][2:], told.stderr + told.stdout)
