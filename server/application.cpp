@@ -229,7 +229,7 @@ Application::Application(const Config& config)
                  const RenderService::Progress& progress) {
             return draw_job(doors_, request, deadline, progress);
           },
-          {config_.job_threads, milliseconds(config_.job_timeout_ms)},
+          {config_.job_threads, milliseconds(config_.job_timeout_ms), milliseconds(config_.job_deadline_ms)},
           [this] {
             if (webhooks_) webhooks_->wake();
           }),

@@ -36,7 +36,8 @@ struct Config {
 
   int job_threads = 1;
   int job_queue = 1000;
-  std::int64_t job_timeout_ms = 600'000;  // of one job, once it has begun
+  std::int64_t job_timeout_ms = 600'000;              // of one job, once it has begun
+  std::int64_t job_deadline_ms = 24ll * 3600 * 1000;  // of one job, its wait included
   std::int64_t job_ttl_ms = 24ll * 3600 * 1000;
   std::int64_t job_bytes = 4096ll << 20;
   int event_streams = 8;

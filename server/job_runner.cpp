@@ -129,13 +129,23 @@ bool JobRunner::is_stopping() {
   return stopping_;
 }
 
+// Errors: kDeadlineExceeded when its time was over before its turn came.
+std::chrono::milliseconds JobRunner::time_for(const std::string& id) {
+  const std::optional<Job> job = store_.find(id);
+  const std::int64_t created_ms = job ? job->created_ms : unix_time_ms();
+  const auto left = config_.deadline - std::chrono::milliseconds(unix_time_ms() - created_ms);
+  if (left.count() <= 0)
+    furnace::fail(ErrorCode::kDeadlineExceeded, "The job's time was over before its turn came.");
+  return std::min(config_.timeout, left);
+}
+
 // Errors: those of the work; what is thrown otherwise becomes one.
 std::string JobRunner::run(const JobWork& work, std::stop_token cancel) {
   const log::RequestScope scope({work.id, {}, {}});
   log::info("job.begin", {{"id", work.id}});
   const auto progress = [&](int done, int of) { store_.tell_progress(work.id, done, of); };
   try {
-    return work_(work.request, Deadline(config_.timeout, std::move(cancel)), progress);
+    return work_(work.request, Deadline(time_for(work.id), std::move(cancel)), progress);
   } catch (const Error&) {
     throw;
   } catch (const std::exception& stray) {

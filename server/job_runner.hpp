@@ -19,6 +19,8 @@ namespace furnace {
 struct JobRunnerConfig {
   int threads = 1;
   std::chrono::milliseconds timeout{600'000};  // of one job, once it has begun
+  std::chrono::milliseconds deadline{
+      24ll * 3600'000};  // of one job, from when it was asked for, its turns in the queue included
 };
 
 std::int64_t unix_time_ms();  // as even_now
@@ -45,6 +47,7 @@ class JobRunner {
   bool run_next();
   void keep(const std::function<void()>& write);
   bool is_stopping();
+  std::chrono::milliseconds time_for(const std::string& id);
   std::string run(const JobWork& work, std::stop_token cancel);
 
   JobStore& store_;

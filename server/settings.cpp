@@ -84,6 +84,8 @@ constexpr std::array kSettings = {
            "jobs that may wait; more are answered 429"),
     number("job-timeout", &Config::job_timeout_ms, Unit::kDuration, 1, 24 * 3600 * kSecond,
            "time of one job, once it has begun"),
+    number("job-deadline", &Config::job_deadline_ms, Unit::kDuration, 1, 365ll * 24 * 3600 * kSecond,
+           "time of one job from when it was asked for, its wait included; then it has failed with 504"),
     number("job-ttl", &Config::job_ttl_ms, Unit::kDuration, kSecond, 365ll * 24 * 3600 * kSecond,
            "how long a finished job and its result are kept"),
     number("job-store", &Config::job_bytes, Unit::kBytes, kMiB, 1024 * kGiB,

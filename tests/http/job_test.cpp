@@ -198,6 +198,30 @@ bool soon(const std::function<bool()>& what) {
   return what();
 }
 
+TEST_F(JobStoreTest, TheWaitInTheQueueCounts) {
+  JobStore store({}, {});
+  const std::int64_t now_ms = unix_time_ms();
+  const std::string late = store.create(request("late"), now_ms - 61'000).job.id;
+  const std::string hurried = store.create(request("hurried"), now_ms - 50'000).job.id;
+  std::atomic<int> worked = 0;
+  Clock::time_point end{};
+  JobRunner runner(store,
+                   [&](const JobRequest&, const Deadline& deadline, const auto&) -> std::string {
+                     end = deadline.end();
+                     ++worked;
+                     return "drawn";
+                   },
+                   {1, std::chrono::minutes(10), std::chrono::minutes(1)});
+  EXPECT_TRUE(soon(
+      [&] { return is_finished(store.find(late)->status) && is_finished(store.find(hurried)->status); }));
+  EXPECT_EQ(store.find(late)->status, JobStatus::kFailed);
+  EXPECT_NE(store.find(late)->problem.find("\"status\": 504"), std::string::npos)
+      << store.find(late)->problem;
+  EXPECT_EQ(store.find(hurried)->status, JobStatus::kSucceeded);
+  EXPECT_EQ(worked, 1);
+  EXPECT_LT(end, Clock::now() + std::chrono::seconds(11)) << "no more than what is left";
+}
+
 TEST_F(JobStoreTest, ThreadsWorkThroughTheList) {
   JobStore store({}, {});
   std::atomic<int> worked = 0;
@@ -212,7 +236,7 @@ TEST_F(JobStoreTest, ThreadsWorkThroughTheList) {
                    {2, std::chrono::seconds(10)});
   std::vector<std::string> ids;
   for (const char* body : {"a", "bad", "b", "stray"}) {
-    ids.push_back(store.create(request(body), 0).job.id);
+    ids.push_back(store.create(request(body), unix_time_ms()).job.id);
     runner.wake();
   }
   for (const std::string& id : ids) EXPECT_TRUE(soon([&] { return is_finished(store.find(id)->status); }));
@@ -234,7 +258,7 @@ TEST_F(JobStoreTest, RemovingEndsTheWork) {
                      return {};
                    },
                    {1, std::chrono::seconds(60)});
-  const std::string id = store.create(request("a"), 0).job.id;
+  const std::string id = store.create(request("a"), unix_time_ms()).job.id;
   runner.wake();
   ASSERT_TRUE(soon([&] { return begun.load(); }));
   EXPECT_TRUE(runner.remove(id));
@@ -245,7 +269,7 @@ TEST_F(JobStoreTest, RemovingEndsTheWork) {
 TEST_F(JobStoreTest, WhatRunsWhenTheServerEndsWaitsAgain) {
   JobStore store({}, {});
   std::atomic<bool> begun = false;
-  const std::string id = store.create(request("a"), 0).job.id;
+  const std::string id = store.create(request("a"), unix_time_ms()).job.id;
   {
     JobRunner runner(store,
                      [&](const JobRequest&, const Deadline& deadline, const auto&) -> std::string {
