@@ -116,13 +116,13 @@ class Reader {
     if (!expect(value, JsonType::kObject, "an object with widths and formats")) return;
     allow(value, {"widths", "formats"});
     Dimension by_width, by_format;
+    std::set<std::string> seen;  // no format is named as a width is
     if (const Value widths = value["widths"]; expect(widths, JsonType::kArray, "an array of widths in px")) {
       for (std::size_t i = 0; i < widths.size(); ++i) {
         Choice choice;
         choice.width_px = number(widths.at(i), 1, 1 << 20);
         choice.suffix = fmt::format("{}w", choice.width_px);
-        const auto is_same = [&](const Choice& other) { return other.width_px == choice.width_px; };
-        if (std::any_of(by_width.begin(), by_width.end(), is_same)) add(widths.at(i), "is there twice");
+        if (!seen.insert(choice.suffix).second) add(widths.at(i), "is there twice");
         by_width.push_back(std::move(choice));
       }
       if (by_width.empty()) add(widths, "has no width");
@@ -132,8 +132,7 @@ class Reader {
         if (!expect(formats.at(i), JsonType::kText, "the name of a format")) continue;
         Choice choice;
         choice.changes["/output/format"] = native(formats.at(i));
-        const auto is_same = [&](const Choice& other) { return other.changes == choice.changes; };
-        if (std::any_of(by_format.begin(), by_format.end(), is_same)) add(formats.at(i), "is there twice");
+        if (!seen.insert(std::string(formats.at(i).text())).second) add(formats.at(i), "is there twice");
         by_format.push_back(std::move(choice));
       }
       if (formats.size() == 0) add(formats, "has no format");

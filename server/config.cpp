@@ -9,19 +9,15 @@
 #include "server/cors.hpp"
 #include "server/outbound_url.hpp"
 #include "server/settings.hpp"
+#include "server/field_text.hpp"
 
 namespace furnace {
 namespace {
 
+constexpr std::string_view kSpace = " \t\r";
+
 constexpr std::string_view kPrefix = "FURNACE_";
 constexpr std::string_view kConfigVariable = "FURNACE_CONFIG";  // names the file; read by the command line
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kSpace = " \t\r";
-  const std::size_t first = text.find_first_not_of(kSpace);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
-}
 
 // Collects what one source says; a list setting of a higher source replaces that of a lower one.
 class Layer {
@@ -52,7 +48,7 @@ void read_file_text(std::string_view text, LoadedConfig& loaded) {
   Layer layer(loaded, "file");
   for (int line_number = 1; !text.empty(); ++line_number) {
     const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = trimmed(text.substr(0, end));
+    const std::string_view line = trimmed(text.substr(0, end), kSpace);
     text.remove_prefix(std::min(end + 1, text.size()));
     if (line.empty() || line.front() == '#') continue;
     const std::size_t equals = line.find('=');
@@ -61,10 +57,10 @@ void read_file_text(std::string_view text, LoadedConfig& loaded) {
           fmt::format("configuration file, line {}: not of the form name = value", line_number));
       continue;
     }
-    const std::string_view name = trimmed(line.substr(0, equals));
+    const std::string_view name = trimmed(line.substr(0, equals), kSpace);
     if (const Setting* setting = find_setting(name)) {
       layer.set(*setting, fmt::format("configuration file, line {}, {}", line_number, name),
-                trimmed(line.substr(equals + 1)));
+                trimmed(line.substr(equals + 1), kSpace));
     } else {
       loaded.problems.push_back(
           fmt::format("configuration file, line {}: there is no setting '{}'", line_number, name));

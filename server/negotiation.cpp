@@ -1,4 +1,5 @@
 #include "server/negotiation.hpp"
+#include "server/field_text.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -7,19 +8,6 @@
 
 namespace furnace {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  std::ranges::transform(out, out.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return out;
-}
 
 // Splits at `separator`, except within quoted strings; items are trimmed.
 std::vector<std::string_view> split(std::string_view text, char separator) {

@@ -1,4 +1,5 @@
 #include "server/outbound_url.hpp"
+#include "server/field_text.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -31,11 +32,6 @@ std::optional<std::string> part_of(const CurlUrl& url, CURLUPart part, unsigned 
 bool set(const CurlUrl& url, CURLUPart part, const std::string& text, unsigned flags = 0) {
   return text.find('\0') == std::string::npos &&
          curl_url_set(url.get(), part, text.c_str(), flags) == CURLUE_OK;
-}
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return text;
 }
 
 // Of RFC 1123, and the underscore that is in use. A name that ends with a number is an address in some reader's eyes (WHATWG
@@ -75,12 +71,6 @@ std::optional<OutboundUrl> read(const CurlUrl& url) {
 
 bool is_subdomain(std::string_view name, std::string_view of) {
   return name.size() > of.size() + 1 && name.ends_with(of) && name[name.size() - of.size() - 1] == '.';
-}
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = std::min(text.find_first_not_of(" \t"), text.size());
-  text.remove_prefix(first);
-  return text.substr(0, text.find_last_not_of(" \t") + 1);
 }
 
 std::vector<std::string_view> entries_of(std::string_view list) {

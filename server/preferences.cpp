@@ -1,23 +1,12 @@
 #include "server/preferences.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
+
+#include "server/field_text.hpp"
 
 namespace furnace {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kSpaces = " \t";
-  const std::size_t from = text.find_first_not_of(kSpaces);
-  if (from == text.npos) return {};
-  return text.substr(from, text.find_last_not_of(kSpaces) - from + 1);
-}
-
-bool is_name(std::string_view text, std::string_view lower_name) {
-  return std::ranges::equal(text, lower_name,
-                            [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
-}
 
 std::optional<std::chrono::seconds> seconds_of(std::string_view text) {
   if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
@@ -40,8 +29,8 @@ Preferences parse_preferences(std::string_view field) {
     const std::size_t equals = std::min(preference.find('='), preference.size());
     const std::string_view name = trimmed(preference.substr(0, equals));
     const std::string_view value = trimmed(preference.substr(std::min(equals + 1, preference.size())));
-    if (is_name(name, "respond-async") && value.empty()) out.respond_async = true;
-    if (is_name(name, "wait") && !out.wait) out.wait = seconds_of(value);
+    if (lower(name) == "respond-async" && value.empty()) out.respond_async = true;
+    if (lower(name) == "wait" && !out.wait) out.wait = seconds_of(value);
   }
   return out;
 }
