@@ -166,10 +166,10 @@ void resolve_glow(const PassContext& pass) {
 
 void pass_accumulate(const PassContext& pass, std::size_t subframe) {
   gl::PassState state = tile_state(pass, pass.sum->framebuffer, Grid::kPixels);
-  state.blend = subframe == 0 ? gl::Blend::kOff : gl::Blend::kAdd;
+  state.blend = subframe == 0 || pass.alone ? gl::Blend::kOff : gl::Blend::kAdd;
   gl::begin_pass(pass.context, state);
   const GLuint program = screen_program(pass, "screen/accumulate.frag", true, false, 0);
-  glProgramUniform1f(program, 0, pass.plan.weights[subframe]);
+  glProgramUniform1f(program, 0, pass.alone ? 1 : pass.plan.weights[subframe]);
   glUseProgram(program);
   draw_screen(pass, pass.targets.shading.color);
 }

@@ -30,6 +30,7 @@ struct PassContext {
       nullptr;  // where sub-frames are added up; null: a lone one is resolved as it was shaded
   // Maps of light_sums.hpp; null where surfaces see all of the environment, whatever the scene hides.
   const gl::Texture* sky_sums = nullptr;
+  bool alone = false;  // this sub-frame is all that comes into `sum`
 
   bool shows(FilmLayerKind kind) const { return shown && row_of(*shown).kind == kind; }
   bool veiled() const {

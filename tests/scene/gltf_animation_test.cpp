@@ -109,13 +109,13 @@ TEST(GltfAnimation, WeightsMoveMorphTargets) {
   moved.target["path"] = "weights";
   moved.type = "SCALAR";
   moved.values = {0, 0, 1, 0.5f};
-  EXPECT_EQ(moved.at(2).meshes.at(0).positions[0], glm::vec3(0.25f, 0, 0.5f));
-  EXPECT_EQ(Moved(moved).pointer("/meshes/0/weights").at(2).meshes.at(0).positions[0],
+  EXPECT_EQ(moved.at(2).meshes.at(0)->positions[0], glm::vec3(0.25f, 0, 0.5f));
+  EXPECT_EQ(Moved(moved).pointer("/meshes/0/weights").at(2).meshes.at(0)->positions[0],
             glm::vec3(0.25f, 0, 0.5f));
   moved.values = {0, 2};
   EXPECT_EQ(Moved(moved).pointer("/nodes/0/weights/1").refused_at(), "no error");
   moved.builder.json["meshes"][0]["weights"] = {0.5, 0};
-  EXPECT_EQ(Moved(moved).pointer("/nodes/0/weights/1").at(2).meshes.at(0).positions[0],
+  EXPECT_EQ(Moved(moved).pointer("/nodes/0/weights/1").at(2).meshes.at(0)->positions[0],
             glm::vec3(1, 0, 0.5f));
 }
 
@@ -184,7 +184,7 @@ TEST(GltfAnimation, DamagedKeyframesAreRefusedWherePlayedAndNotedWhereNot) {
 
 TEST(GltfAnimation, MeshesThatDoNotMoveKeepTheirKeys) {
   const Moved moved;
-  EXPECT_EQ(moved.at(1).meshes.at(0).key, moved.at(2).meshes.at(0).key);
+  EXPECT_EQ(moved.at(1).meshes.at(0)->key, moved.at(2).meshes.at(0)->key);
   EXPECT_NE(moved.at(1).hash, moved.at(2).hash);
 }
 

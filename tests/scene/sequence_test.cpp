@@ -27,7 +27,7 @@ Scene cloud(unsigned seed, const glm::vec3& middle) {
     mesh.indices.push_back(i);
   }
   Scene scene;
-  scene.meshes.push_back(std::move(mesh));
+  scene.meshes.push_back(std::make_shared<const Mesh>(std::move(mesh)));
   scene.instances.push_back({0, 0, glm::mat4(1), ""});
   return scene;
 }
@@ -61,7 +61,7 @@ Edges edges_of(const std::vector<RenderSpec>& frames, const std::vector<Scene>& 
   Edges edges;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const View view = make_view(frames[i].camera, scenes[i], {300, 200});
-    for (const glm::vec3& position : scenes[i].meshes[0].positions) {
+    for (const glm::vec3& position : scenes[i].meshes[0]->positions) {
       const glm::dvec4 clip =
           glm::dmat4(view.clip_from_view) * glm::dmat4(view.view_from_world) * glm::dvec4(position, 1);
       EXPECT_GT(clip.w, 0);
@@ -162,7 +162,9 @@ TEST(Sequence, GroundAndFocusAreThoseOfAllFrames) {
 
 TEST(Sequence, AnEndlessVertexIsRefused) {
   Scene scene = cloud(1, {0, 0, 0});
-  scene.meshes[0].positions[7].y = std::numeric_limits<float>::quiet_NaN();
+  Mesh mesh = *scene.meshes[0];
+  mesh.positions[7].y = std::numeric_limits<float>::quiet_NaN();
+  scene.meshes = {std::make_shared<const Mesh>(std::move(mesh))};
   EXPECT_THROW(outline_of(scene, {}), Error);
 }
 
