@@ -277,6 +277,9 @@ Film Renderer::State::render(const RenderSpec& spec, ContextPool::Lease& context
     if (loses_motion_blur(spec))
       film.notes.push_back({"motion-blur-needs-samples", "/camera/motionBlur",
                             "a single sample sees one instant; ask for quality high or for samples"});
+    if (wants_motion(spec.output) && interval_s == 0)
+      film.notes.push_back({"motion-needs-interval", "/camera/motionBlur",
+                            "without a shutter that is open for a while, or a sequence, motion is 0"});
     if (misses_veil(spec.output, preparation.scene))
       film.notes.push_back(
           {"layers-see-through", "/output",

@@ -30,7 +30,8 @@ Scene scene_of(std::vector<glm::vec3> points, const glm::mat4& placement = glm::
 
 Scene builtin_scene(std::string_view name) {
   Scene scene;
-  for (Mesh& mesh : *builtin_mesh(name)) scene.meshes.push_back(std::make_shared<const Mesh>(std::move(mesh)));
+  std::vector<Mesh> meshes = *builtin_mesh(name);
+  for (Mesh& mesh : meshes) scene.meshes.push_back(std::make_shared<const Mesh>(std::move(mesh)));
   for (int i = 0; i < int(scene.meshes.size()); ++i) scene.instances.push_back({i, 0, glm::mat4(1), ""});
   return scene;
 }

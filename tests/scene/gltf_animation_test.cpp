@@ -188,6 +188,42 @@ TEST(GltfAnimation, MeshesThatDoNotMoveKeepTheirKeys) {
   EXPECT_NE(moved.at(1).hash, moved.at(2).hash);
 }
 
+// A model that is parsed once gives at every time, in any order, what an import of its own gives.
+TEST(GltfModel, AtSeveralTimesIsEachAlone) {
+  Moved moved;
+  const int up = moved.builder.add_accessor<float>("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1});
+  Json still = moved.builder.json["meshes"][0];
+  primitive_of(moved.builder)["targets"] = {{{"POSITION", up}}};
+  moved.builder.add("meshes", still);
+  moved.builder.add("nodes", {{"mesh", 1}});
+  moved.builder.add("scenes", {{"nodes", {0, 1}}});
+  moved.target["path"] = "weights";
+  moved.type = "SCALAR";
+  moved.values = {0, 1};
+  const ModelBundle bundle = moved.built().bundle();
+  const ImportLimits limits;
+  const Deadline deadline;
+  GltfModel model(decode::in_process_decoder(), bundle, limits, deadline, GltfModel::Times::kSeveral);
+  SharedMesh at_rest;
+  for (const double seconds : {2.0, 1.0, 2.5, 2.0}) {
+    ImportOptions options;
+    options.animations = {{"move", {seconds, false}}};
+    const Scene scene = model.import(options), alone = moved.at(seconds);
+    EXPECT_EQ(scene.hash, alone.hash);
+    ASSERT_EQ(scene.meshes.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(scene.meshes[i]->key, alone.meshes[i]->key);
+      EXPECT_EQ(scene.meshes[i]->positions, alone.meshes[i]->positions);
+      EXPECT_EQ(scene.instances[i].place, alone.instances[i].place);
+    }
+    EXPECT_NE(scene.instances[0].place, scene.instances[1].place);
+    if (at_rest != nullptr) {
+      EXPECT_EQ(scene.meshes[1], at_rest);
+    }
+    at_rest = scene.meshes[1];
+  }
+}
+
 TEST(GltfVisibility, AHiddenNodeHidesWhatIsBelow) {
   GltfBuilder builder = clean_builder({{"children", {1}}});
   builder.add("nodes", {{"mesh", 0}, {"extensions", {{"KHR_node_visibility", {{"visible", true}}}}}});
