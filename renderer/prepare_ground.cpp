@@ -27,8 +27,8 @@ std::vector<LightDirection> part_of(const std::vector<LightDirection>& lights, L
 std::vector<LightDirection> light_on_ground(const PreparedScene& scene, double rotation_rad, int count,
                                             LightPart part) {
   const int all_parts = count * part.count;
-  std::vector<std::vector<LightDirection>> all = {in_world(
-      part_of(ground_light(scene.environment->sky.texels, all_parts), part), scene, rotation_rad)};
+  std::vector<std::vector<LightDirection>> all = {
+      in_world(part_of(ground_light(scene.environment->sky.texels, all_parts), part), scene, rotation_rad)};
   for (const Light& light : scene.lights) {
     if (light.kind != LightKind::kDirectional || !light.casts_shadow) continue;
     const glm::dvec3 &d = light.direction, &e = light.intensity;
@@ -105,8 +105,8 @@ std::vector<GroundWork::Indices> GroundWork::occluders_of(const std::vector<Prep
   }
   constexpr double kSimplifyCostUs = 5'000;
   pool_.parallel_for(missing.size(), kSimplifyCostUs, [&](std::size_t i) {
-    occluders_.find(missing[i]->key)->second =
-        std::make_shared<const std::vector<std::uint32_t>>(occluder_indices(*missing[i]->mesh, kGroundOccluder));
+    occluders_.find(missing[i]->key)->second = std::make_shared<const std::vector<std::uint32_t>>(
+        occluder_indices(*missing[i]->mesh, kGroundOccluder));
   });
   std::vector<Indices> occluders;
   for (const PreparedMesh& mesh : meshes) {

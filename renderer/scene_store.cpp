@@ -118,9 +118,7 @@ std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, 
   CacheOutcome outcome = CacheOutcome::kLoaded;
   auto composed = compositions_.get_or_load(
       scene_hash(spec), deadline,
-      [&] {
-        return compose_scene(spec, spec.model == nullptr ? nullptr : imported(spec, deadline).get());
-      },
+      [&] { return compose_scene(spec, spec.model == nullptr ? nullptr : imported(spec, deadline).get()); },
       &outcome);
   hit = outcome == CacheOutcome::kHit;
   return composed;
@@ -322,10 +320,8 @@ void SceneStore::prepare_grounds(const RenderSpec& spec, const ResidentKeys& res
   const std::vector<PreparedScene*> scenes = scenes_of(out);
   for (const PreparedScene* scene : scenes) work.add_bounds(scene->bounds);
   const bool metered = std::holds_alternative<AutoExposure>(spec.camera.metering);
-  out.scene.ground =
-      out.moments.empty() || metered
-          ? work.with_shadow(scene_hash(spec.scene), out.scene, {})
-          : work.without_shadow();
+  out.scene.ground = out.moments.empty() || metered ? work.with_shadow(scene_hash(spec.scene), out.scene, {})
+                                                    : work.without_shadow();
   for (std::size_t i = 0; i < out.moments.size(); ++i) {
     PreparedMoment& moment = out.moments[i];
     moment.scene.ground = work.with_shadow(scene_hash(scene_at(spec.scene, moment.offset_s)), moment.scene,

@@ -151,8 +151,7 @@ void FilmLayers::store(FilmLayer source, const Image& drawn, const Tile& tile) {
   };
   for (std::size_t i = 0; i < kept_.size(); ++i)
     if (is_served(kept_[i])) store_one(kept_[i], images_[i].image);
-  if (!shown_.pixels.empty() && is_served(*plan_.layers.shown))
-    store_one(*plan_.layers.shown, shown_);
+  if (!shown_.pixels.empty() && is_served(*plan_.layers.shown)) store_one(*plan_.layers.shown, shown_);
 }
 
 void FilmLayers::store_motion(const Image& positions, const Image& numbers, const Tile& tile) {

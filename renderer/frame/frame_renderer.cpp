@@ -109,8 +109,17 @@ void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, co
       subject.scene.ground_shadow != nullptr ? &subject.scene.ground_shadow->rectangle : nullptr;
   const gpu::FrameBlock frame = pack_frame(plan, subject.view, subject.prepared, ground_map, tile, subframe);
   const gl::Buffer uniform = bind_frame(context_, frame);
-  PassContext pass{context_, programs_,           job.residency, plan, job.targets,
-                   subject.scene, tile, empty_vertex_array_, frame, glow, purpose != Purpose::kPicture};
+  PassContext pass{context_,
+                   programs_,
+                   job.residency,
+                   plan,
+                   job.targets,
+                   subject.scene,
+                   tile,
+                   empty_vertex_array_,
+                   frame,
+                   glow,
+                   purpose != Purpose::kPicture};
   if (!subject.prepared.bounds.empty()) pass.sky_sums = job.sky_sums;
   pass.alone = alone;
   if (alone) {
@@ -229,16 +238,16 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
   if (subframes == 1) moments = {};
   const std::span<const FrameSubject> seen = moments.empty() ? std::span(&middle, 1) : moments;
   const auto any = [&](auto has) { return std::any_of(seen.begin(), seen.end(), has); };
-  const bool veil = any(
-      [](const FrameSubject& one) { return !one.scene.blended.empty() || !one.scene.strokes.empty(); });
+  const bool veil =
+      any([](const FrameSubject& one) { return !one.scene.blended.empty() || !one.scene.strokes.empty(); });
   const bool glass = any([](const FrameSubject& one) { return one.scene.nearest_glass_m.has_value(); });
   const bool emission = plan.bloom && plan.bloom->source == BloomSource::kEmission;
   // The glow's are of one size or few, and kept beside the picture's.
   std::optional<FrameTargets>& targets = plan.glow_only ? glow_targets_ : picture_targets_;
-  provide_targets(context_, plan,
-                  {veil, subframes > 1 || glass, emission, glass && !moments.empty(),
-                   plan.layers.sources.size()},
-                  targets);
+  provide_targets(
+      context_, plan,
+      {veil, subframes > 1 || glass, emission, glass && !moments.empty(), plan.layers.sources.size()},
+      targets);
   std::vector<const PreparedScene*> scenes;
   for (const FrameSubject& one : seen) scenes.push_back(&one.prepared);
   FilmLayers layers(plan, {middle.view, middle.prepared, earlier}, scenes);
@@ -248,8 +257,15 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
     sky_sums = gl::upload_texture(context_, middle.prepared.sky_sums.maps, false);
   std::vector<int> moment_of;
   if (!moments.empty()) moment_of = moment_of_subframes(int(subframes), int(moments.size()));
-  const FrameJob job{residency, plan,     middle,   moments, std::move(moment_of),
-                     deadline,  *targets, layers,   sky_sums ? &*sky_sums : nullptr};
+  const FrameJob job{residency,
+                     plan,
+                     middle,
+                     moments,
+                     std::move(moment_of),
+                     deadline,
+                     *targets,
+                     layers,
+                     sky_sums ? &*sky_sums : nullptr};
   gl::Texture glow;
   if (plan.bloom && !plan.glow_only) glow = gl::upload_texture(context_, plan.bloom->glow, false);
   FrameResult result;
@@ -262,8 +278,7 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
     const Clock::time_point start = Clock::now();
     layers.begin_mattes(tile);
     if (plan.layers.any(FilmLayerKind::kPlace)) draw_places(job, tile);
-    for (std::size_t i = 0; i < subframes; ++i)
-      draw_subframe(job, plan, tile, i, Purpose::kPicture, &glow);
+    for (std::size_t i = 0; i < subframes; ++i) draw_subframe(job, plan, tile, i, Purpose::kPicture, &glow);
     result.draw_ms += ms_since(start);
 
     const Clock::time_point read_start = Clock::now();

@@ -82,8 +82,7 @@ std::vector<GpuOccluder> upload_occluders(gl::Context& context, const PreparedGr
     GpuOccluder occluder;
     occluder.count = indices == nullptr ? 0 : GLsizei(indices->size());
     if (occluder.count > 0)
-      occluder.indices =
-          gl::create_buffer(context, indices->data(), indices->size() * sizeof(std::uint32_t));
+      occluder.indices = gl::create_buffer(context, indices->data(), indices->size() * sizeof(std::uint32_t));
     occluders.push_back(std::move(occluder));
   }
   return occluders;

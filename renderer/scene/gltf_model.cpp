@@ -34,8 +34,8 @@ GltfDocument read_checked_gltf(const GltfJson& json, const ImportLimits& limits)
   return document;
 }
 
-GltfModel::State::State(Decoder& decoder, const ModelBundle& bundle, const ImportLimits& limits, const Deadline& deadline,
-      Times times)
+GltfModel::State::State(Decoder& decoder, const ModelBundle& bundle, const ImportLimits& limits,
+                        const Deadline& deadline, Times times)
     : bundle(bundle),
       limits(limits),
       deadline(deadline),
@@ -44,7 +44,8 @@ GltfModel::State::State(Decoder& decoder, const ModelBundle& bundle, const Impor
       document(read_checked_gltf(json, limits)),
       data(document, bundle, limits, decoder, deadline) {}
 
-GltfVertices GltfModel::State::vertices_of(const GltfPrimitiveRef& ref, bool with_influences, GltfNotes& notes) {
+GltfVertices GltfModel::State::vertices_of(const GltfPrimitiveRef& ref, bool with_influences,
+                                           GltfNotes& notes) {
   if (times == Times::kOne) return read_primitive_vertices(document, data, ref, with_influences, notes);
   const auto [entry, fresh] = vertices.try_emplace({ref, with_influences});
   if (fresh) entry->second = read_primitive_vertices(document, data, ref, with_influences, notes);

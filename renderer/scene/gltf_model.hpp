@@ -27,7 +27,7 @@ struct GltfModel::State {
   const GltfJson json;
   const GltfDocument document;  // at rest
   const GltfData data;
-  std::map<ContentHash, std::map<int, SharedMesh>> meshes;  // by source_of() and tangent_set_of()
+  std::map<ContentHash, std::map<int, SharedMesh>> meshes;             // by source_of() and tangent_set_of()
   std::map<std::pair<GltfPrimitiveRef, bool>, GltfVertices> vertices;  // with influences or without
 };
 

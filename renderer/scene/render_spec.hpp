@@ -198,10 +198,10 @@ struct DepthOfField {
 
 // How long what moves is seen. Clips move by their own time, of which the shutter's middle is what they state.
 struct CameraMotion {
-  double shutter_s = 0;         // of the clips' time, >= 0; 0: an instant
-  double frame_s = 0;           // from one frame of a sequence to the next; 0: a single picture
-  double turn_rad_per_s = 0;    // of the camera about a vertical axis, towards larger azimuths
-  glm::dvec3 turn_about_m{0};   // on that axis
+  double shutter_s = 0;        // of the clips' time, >= 0; 0: an instant
+  double frame_s = 0;          // from one frame of a sequence to the next; 0: a single picture
+  double turn_rad_per_s = 0;   // of the camera about a vertical axis, towards larger azimuths
+  glm::dvec3 turn_about_m{0};  // on that axis
 
   // What motion vectors look back.
   double interval_s() const { return shutter_s > 0 ? shutter_s : frame_s; }

@@ -91,7 +91,7 @@ struct Note {
 
 // Threads: immutable once built. Owns: all it names.
 struct Scene {
-  ContentHash hash;  // of everything the scene was built from
+  ContentHash hash;                 // of everything the scene was built from
   std::vector<SharedMesh> meshes;   // none of them null
   std::vector<Material> materials;  // never empty
   std::vector<SceneImage> images;

@@ -25,8 +25,9 @@ inline GltfBuilder quad_builder(Json node = Json::object()) {
   builder.add("materials", {{"name", "white"},
                             {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 1}}}},
                             {"extensions", {{"KHR_materials_unlit", Json::object()}}}});
-  builder.show({{"attributes", {{"POSITION", position}, {"NORMAL", normal}}}, {"indices", indices}, {"material", 0}},
-               std::move(node));
+  builder.show(
+      {{"attributes", {{"POSITION", position}, {"NORMAL", normal}}}, {"indices", indices}, {"material", 0}},
+      std::move(node));
   return builder;
 }
 
@@ -61,7 +62,8 @@ inline GltfBuilder skinned_quad() {
   GltfBuilder builder = quad_builder({{"skin", 0}});
   Json& attributes = testing::primitive_of(builder)["attributes"];
   attributes["JOINTS_0"] = builder.add_accessor<std::uint8_t>("VEC4", std::vector<std::uint8_t>(16, 0));
-  attributes["WEIGHTS_0"] = builder.add_accessor<float>("VEC4", {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+  attributes["WEIGHTS_0"] =
+      builder.add_accessor<float>("VEC4", {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
   builder.add("nodes", {{"name", "joint"}});
   builder.add("skins", {{"joints", {1}}});
   builder.add("scenes", {{"nodes", {0, 1}}});

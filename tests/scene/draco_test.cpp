@@ -163,7 +163,7 @@ TEST(DracoDocument, StripsAreTriangles) {
 TEST(DracoDocument, AttributesShareAnAccessor) {
   GltfBuilder builder = grid_document();
   primitive_of(builder)["attributes"]["_CUSTOM"] = 0;
-  draco_of(builder)["attributes"]["_CUSTOM"] = 12;                            // never read
+  draco_of(builder)["attributes"]["_CUSTOM"] = 12;                             // never read
   EXPECT_EQ(builder.import().meshes.at(0)->positions.size(), 3 * kTriangles);  // flat: vertices of their own
 }
 
