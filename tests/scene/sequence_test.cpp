@@ -8,6 +8,7 @@
 
 #include "renderer/base/error.hpp"
 #include "renderer/scene/framing.hpp"
+#include "renderer/scene/shutter.hpp"
 
 namespace furnace {
 namespace {
@@ -80,6 +81,26 @@ TEST(Sequence, FramesPlayTheClipsAndTurnTheCamera) {
   EXPECT_FALSE(frames[3].output.sequence);
   EXPECT_DOUBLE_EQ(frames[3].scene.animations[0].time.seconds, 0.5 + 3 / 24.0);
   EXPECT_NEAR(std::get<OrbitCamera>(frames[3].camera.view).azimuth_rad, 0.61 + 1.5 * kPi, 1e-12);
+}
+
+// What is seen while a frame's shutter is open follows from how fast the camera turns, and about what.
+TEST(Sequence, FramesKnowHowTheyMove) {
+  RenderSpec spec = sequence_spec(4, 2 * kPi);
+  spec.output.sequence->frames_per_second = 8;
+  const std::vector<Scene> scenes(4, cloud(4, {3, 0, 7}));
+  const Bounds bounds = outline_of(scenes[0], {}).bounds;
+  const glm::vec3 middle = (bounds.min + bounds.max) / 2.f;
+  const std::vector<RenderSpec> frames = held(spec, scenes);
+  for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
+    const CameraMotion& motion = frames[i].camera.motion;
+    EXPECT_DOUBLE_EQ(motion.frame_s, 1 / 8.0);
+    EXPECT_DOUBLE_EQ(motion.turn_rad_per_s, 4 * kPi);
+    EXPECT_NEAR(glm::distance(glm::vec3(motion.turn_about_m), middle), 0, 1e-5);
+    // A frame later it is where the next one begins.
+    const View now = make_view(frames[i].camera, scenes[i], {300, 200});
+    const View next = make_view(frames[i + 1].camera, scenes[i], {300, 200});
+    EXPECT_NEAR(glm::distance(view_at(now, motion, motion.frame_s).eye, next.eye), 0, 1e-4);
+  }
 }
 
 TEST(Sequence, LookAtGoesRoundItsTargetTowardsLargerAzimuths) {
