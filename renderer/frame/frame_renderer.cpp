@@ -30,6 +30,7 @@ double ms_since(Clock::time_point start) {
 PassContext emission_of(PassContext pass) {
   pass.emission = true;
   pass.sum = &*pass.targets.emission;
+  pass.lobes = nullptr;
   return pass;
 }
 
@@ -37,6 +38,7 @@ PassContext emission_of(PassContext pass) {
 PassContext layer_of(PassContext pass, std::size_t i) {
   pass.shown = pass.plan.layers.sources[i];
   pass.sum = &pass.targets.layers[i];
+  pass.lobes = nullptr;
   return pass;
 }
 
@@ -126,16 +128,18 @@ void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, co
     pass.sum = &*job.targets.behind;
   } else if (subframes > 1 || pass.is_backdrop) {
     pass.sum = &*job.targets.accumulated;
+    if (plan.has_lobes()) pass.lobes = &*job.targets.lobes;
   }
   const LightBuffers lights = draw_shadows(job, pass, subframe);
   pass_visibility(pass);
   if (!pass.is_backdrop) draw_layers(job, pass, subframe);
   const bool emission = !pass.is_backdrop && plan.bloom && plan.bloom->source == BloomSource::kEmission;
   if (emission) shade_and_accumulate(emission_of(pass), subframe);
-  if (pass.is_backdrop || (plan.layers.needs_picture() && !(emission && plan.glow_only)))
-    shade_and_accumulate(pass, subframe);
+  const bool picture = pass.is_backdrop || (plan.layers.needs_picture() && !(emission && plan.glow_only));
+  if (picture) shade_and_accumulate(pass, subframe);
   glFinish();
   if (subframe + 1 < subframes && !alone) return;
+  if (picture && pass.lobes != nullptr) pass_limit_lobes(pass);
   if (pass.is_backdrop) {
     pass_backdrop(pass);
   } else {
@@ -244,10 +248,10 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
   const bool emission = plan.bloom && plan.bloom->source == BloomSource::kEmission;
   // The glow's are of one size or few, and kept beside the picture's.
   std::optional<FrameTargets>& targets = plan.glow_only ? glow_targets_ : picture_targets_;
-  provide_targets(
-      context_, plan,
-      {veil, subframes > 1 || glass, emission, glass && !moments.empty(), plan.layers.sources.size()},
-      targets);
+  provide_targets(context_, plan,
+                  {veil, subframes > 1 || glass, emission, plan.has_lobes(), glass && !moments.empty(),
+                   plan.layers.sources.size()},
+                  targets);
   std::vector<const PreparedScene*> scenes;
   for (const FrameSubject& one : seen) scenes.push_back(&one.prepared);
   FilmLayers layers(plan, {middle.view, middle.prepared, earlier}, scenes);

@@ -67,6 +67,8 @@ void provide_targets(gl::Context& context, const FramePlan& plan, TargetNeeds ne
     targets->accumulated = create_color_target(context, kRadiance, plan.tile_size);
   if (needs.emission && !targets->emission)
     targets->emission = create_color_target(context, kRadiance, plan.tile_size);
+  if (needs.lobes && !targets->lobes)
+    targets->lobes = create_color_target(context, kRadiance, plan.tile_size);
   if (needs.behind && !targets->behind)
     targets->behind = create_color_target(context, kRadiance, plan.tile_size);
   if (targets->layers.size() > needs.layers) targets->layers.resize(needs.layers);
