@@ -23,6 +23,13 @@ std::int64_t share_meshes(MeshesByKey& known, Scene& scene) {
   return bytes;
 }
 
+// About what a moment takes on both sides beside its meshes.
+std::int64_t bytes_of_lists(const Scene& scene) {
+  constexpr std::size_t kOfPlace = 512, kOfMaterial = 4096;
+  return std::int64_t((scene.instances.size() + scene.lights.size() + scene.cameras.size()) * kOfPlace +
+                      scene.materials.size() * kOfMaterial);
+}
+
 MeshesByKey meshes_of(const Scene& scene) {
   MeshesByKey meshes;
   for (const SharedMesh& mesh : scene.meshes) meshes.emplace(mesh->key, mesh);
@@ -53,7 +60,7 @@ ComposedMoments compose_moments(const SceneSpec& spec, const ComposedScene& midd
     if (i == 0) moments.offsets_s = moment_offsets_s(shutter.subframes, shutter.moments, shutter.open_s);
     const SceneSpec then = scene_at(spec, moments.offsets_s[i]);
     ComposedScene composed = compose_scene(then, import_at(then.animations).get());
-    bytes += share_meshes(known, composed.scene);
+    bytes += share_meshes(known, composed.scene) + bytes_of_lists(composed.scene);
     moments.scenes.push_back(std::make_shared<const ComposedScene>(std::move(composed)));
     ++i;
     if (bytes <= most_bytes || shutter.moments == 1) continue;

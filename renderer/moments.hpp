@@ -17,8 +17,9 @@ struct ComposedMoments {
   std::size_t byte_size() const;  // each mesh once
 };
 
-// The meshes of all moments that deform take at most so much; whoever deforms more is seen at fewer moments. It decides pixels,
-// so it is no setting.
+// What all moments have of their own takes at most so much: meshes that deform, and for each instance, material, light and camera
+// what is made of it on its way to the GPU. A scene that takes more is seen at fewer moments. It decides pixels, so it is no
+// setting.
 inline constexpr std::int64_t kMostMomentBytes = 512ll << 20;
 
 struct Shutter {

@@ -180,7 +180,7 @@ void SceneStore::add_moments(const RenderSpec& spec, const Deadline& deadline, b
     out.moments.push_back({moments->scenes[i], moments->offsets_s[i], {}});
   if (const auto seen = moments->scenes.size(); seen < std::size_t(wanted))
     out.notes.push_back({"motion-blur-coarse", "/camera/motionBlur",
-                         fmt::format("the meshes that deform take so much memory that the open shutter is "
+                         fmt::format("the scene at one moment takes so much memory that the open shutter is "
                                      "seen at {} moments, not {}",
                                      seen, wanted)});
 }

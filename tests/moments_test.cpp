@@ -67,7 +67,8 @@ TEST_F(Moments, ShareWhatStandsStill) {
 }
 
 TEST_F(Moments, AreAsManyAsMayTakeMemory) {
-  const ComposedMoments moments = compose(5 * one_mesh_bytes_ + 100);
+  constexpr std::int64_t kLists = 2 * 512 + 4096;
+  const ComposedMoments moments = compose(5 * (one_mesh_bytes_ + kLists) + 100);
   EXPECT_THAT(moments.scenes, SizeIs(5));
   EXPECT_EQ(moments.offsets_s, moment_offsets_s(16, 5, 2));
   EXPECT_EQ(model_.imports, 6 + 5);
