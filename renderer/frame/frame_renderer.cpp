@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "renderer/frame/covered_pixels.hpp"
 #include "renderer/frame/frame_uniform.hpp"
 #include "renderer/frame/ground_shadow.hpp"
 #include "renderer/frame/layer_view.hpp"
@@ -92,6 +93,18 @@ FrameRenderer::LightBuffers FrameRenderer::draw_shadows(const FrameJob& job, con
   return buffers;
 }
 
+// A lone sub-frame leaves its visibility to the next picture: of one view they differ in materials, light and film only.
+bool FrameRenderer::provide_visibility(const FrameJob& job, const PassContext& pass) {
+  const bool is_lone = pass.plan.tiles.size() == 1 && pass.plan.jitter_px.size() == 1;
+  const std::optional<ContentHash> key =
+      is_lone ? visibility_key(pass, job.prepared) : std::optional<ContentHash>();
+  if (key && job.targets.seen == key) return false;
+  job.targets.seen.reset();
+  pass_visibility(pass, VisibleSurfaces::kAll);
+  job.targets.seen = key;
+  return true;
+}
+
 // One sub-frame of one tile, accumulated where there are several. `glow`: of the whole picture, empty where there is no bloom; null: the tile
 // is one of the backdrop.
 void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, const Tile& tile,
@@ -105,11 +118,13 @@ void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, co
   PassContext pass{context_, programs_,           job.residency, plan, job.targets,    job.scene,
                    tile,     empty_vertex_array_, frame,         glow, glow == nullptr};
   pass.sky_sums = job.sky_sums;
+  pass.veil = veiled_pixels(frame, tile.size, job.scene);
   if (subframes > 1 || pass.is_backdrop) pass.sum = &*job.targets.accumulated;
   const LightBuffers lights = draw_shadows(job, pass, subframe);
-  pass_visibility(pass);
+  const bool is_fresh = provide_visibility(job, pass);
   if (!pass.is_backdrop) draw_layers(job, pass, subframe);
   const bool emission = !pass.is_backdrop && plan.bloom && plan.bloom->source == BloomSource::kEmission;
+  pass.first_is_selected = is_fresh && (pass.is_backdrop || (plan.layers.sources.empty() && !emission));
   if (emission) shade_and_accumulate(emission_of(pass), subframe);
   if (pass.is_backdrop || (plan.layers.needs_picture() && !(emission && plan.glow_only)))
     shade_and_accumulate(pass, subframe);
@@ -153,7 +168,8 @@ void FrameRenderer::draw_places(const FrameJob& job, const Tile& tile) {
   const gl::Buffer uniform = bind_frame(context_, frame);
   const PassContext pass{context_,  programs_, job.residency,       job.plan, job.targets,
                          job.scene, tile,      empty_vertex_array_, frame};
-  pass_visibility(pass);
+  job.targets.seen.reset();
+  pass_visibility(pass, VisibleSurfaces::kNearest);
   for (std::size_t i = 0; i < job.plan.layers.sources.size(); ++i) {
     if (row_of(job.plan.layers.sources[i]).kind != FilmLayerKind::kPlace) continue;
     check_deadline(job.deadline, "draw");

@@ -54,6 +54,8 @@ class FrameRenderer {
     gl::Buffer lights, sky;
   };
   LightBuffers draw_shadows(const FrameJob& job, const PassContext& pass, std::size_t subframe);
+  // Whether it was drawn.
+  bool provide_visibility(const FrameJob& job, const PassContext& pass);
   void draw_backdrop(const FrameJob& job);
   void draw_places(const FrameJob& job, const Tile& tile);
   void draw_layers(const FrameJob& job, const PassContext& pass, std::size_t subframe);
