@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "renderer/frame/covered_pixels.hpp"
 #include "renderer/frame/frame_uniform.hpp"
 #include "renderer/frame/ground_shadow.hpp"
 #include "renderer/frame/layer_view.hpp"
@@ -97,6 +98,19 @@ FrameRenderer::LightBuffers FrameRenderer::draw_shadows(const FrameJob& job, con
   return buffers;
 }
 
+// A lone sub-frame leaves its visibility to the next picture: of one view they differ in materials, light and film only.
+bool FrameRenderer::provide_visibility(const FrameJob& job, const PassContext& pass,
+                                       const PreparedScene& prepared) {
+  const bool is_lone = pass.plan.tiles.size() == 1 && pass.plan.jitter_px.size() == 1;
+  const std::optional<ContentHash> key =
+      is_lone ? visibility_key(pass, prepared) : std::optional<ContentHash>();
+  if (key && job.targets.seen == key) return false;
+  job.targets.seen.reset();
+  pass_visibility(pass, VisibleSurfaces::kAll);
+  job.targets.seen = key;
+  return true;
+}
+
 // One sub-frame of one tile, accumulated where there are several. `glow`: of the whole picture, empty where there is no bloom; null
 // for a backdrop.
 void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, const Tile& tile,
@@ -123,6 +137,7 @@ void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, co
                    glow,
                    purpose != Purpose::kPicture};
   if (!subject.prepared.bounds.empty()) pass.sky_sums = job.sky_sums;
+  pass.veil = veiled_pixels(frame, tile.size, subject.scene);
   pass.alone = alone;
   if (alone) {
     pass.sum = &*job.targets.behind;
@@ -131,9 +146,10 @@ void FrameRenderer::draw_subframe(const FrameJob& job, const FramePlan& plan, co
     if (plan.has_lobes()) pass.lobes = &*job.targets.lobes;
   }
   const LightBuffers lights = draw_shadows(job, pass, subframe);
-  pass_visibility(pass);
+  const bool is_fresh = provide_visibility(job, pass, subject.prepared);
   if (!pass.is_backdrop) draw_layers(job, pass, subframe);
   const bool emission = !pass.is_backdrop && plan.bloom && plan.bloom->source == BloomSource::kEmission;
+  pass.first_is_selected = is_fresh && (pass.is_backdrop || (plan.layers.sources.empty() && !emission));
   if (emission) shade_and_accumulate(emission_of(pass), subframe);
   const bool picture = pass.is_backdrop || (plan.layers.needs_picture() && !(emission && plan.glow_only));
   if (picture) shade_and_accumulate(pass, subframe);
@@ -178,7 +194,8 @@ void FrameRenderer::draw_places(const FrameJob& job, const Tile& tile) {
   const gl::Buffer uniform = bind_frame(context_, frame);
   const PassContext pass{context_,         programs_, job.residency,       job.plan, job.targets,
                          job.middle.scene, tile,      empty_vertex_array_, frame};
-  pass_visibility(pass);
+  job.targets.seen.reset();
+  pass_visibility(pass, VisibleSurfaces::kNearest);
   for (std::size_t i = 0; i < job.plan.layers.sources.size(); ++i) {
     if (row_of(job.plan.layers.sources[i]).kind != FilmLayerKind::kPlace) continue;
     check_deadline(job.deadline, "draw");

@@ -77,6 +77,8 @@ class FrameRenderer {
     gl::Buffer lights, sky;
   };
   LightBuffers draw_shadows(const FrameJob& job, const PassContext& pass, std::size_t subframe);
+  // Whether it was drawn.
+  bool provide_visibility(const FrameJob& job, const PassContext& pass, const PreparedScene& prepared);
   void draw_backdrop(const FrameJob& job);
   void draw_backdrop_of(const FrameJob& job, std::size_t subframe);
   void draw_places(const FrameJob& job, const Tile& tile);

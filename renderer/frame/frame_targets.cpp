@@ -61,6 +61,8 @@ void provide_targets(gl::Context& context, const FramePlan& plan, TargetNeeds ne
     VeilTarget veil;
     veil.color = gl::create_texture(context, GL_RGBA16F, samples_of(plan.tile_size), 1);
     veil.framebuffer = gl::create_framebuffer(context, veil.color, targets->visibility.depth);
+    veil.pixels = gl::create_texture(context, GL_RGBA32UI, plan.tile_size, 1);
+    veil.gather = gl::create_framebuffer(context, veil.pixels, {});
     targets->veil = std::move(veil);
   }
   if (needs.accumulated && !targets->accumulated)

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "renderer/base/content_hash.hpp"
 #include "renderer/frame/frame_plan.hpp"
 #include "renderer/gl/texture.hpp"
 
@@ -26,8 +27,9 @@ struct ShadingTarget {
 
 // Blended surfaces, lines and points, premultiplied: 2x2 samples a pixel, over the depth of what is visible.
 struct VeilTarget {
-  gl::Texture color;  // RGBA16F, exposed: 1 is white, so that half floats serve every light
-  gl::Framebuffer framebuffer;
+  gl::Texture color;   // RGBA16F, exposed: 1 is white, so that half floats serve every light
+  gl::Texture pixels;  // RGBA32UI, of one sub-frame: see shaders/lib/veil.glsl
+  gl::Framebuffer framebuffer, gather;
 };
 
 // What lights see: a map each view.
@@ -55,7 +57,8 @@ struct FrameTargets {
 
   VisibilityTarget visibility;
   ShadingTarget shading;
-  std::optional<VeilTarget> veil;          // only for scenes that need it
+  std::optional<ContentHash> seen;  // visibility_key() of what visibility and shares hold, where it is known
+  std::optional<VeilTarget> veil;   // only for scenes that need it
   std::optional<ShadowTarget> shadows;     // only for scenes with lights that cast some
   std::optional<ColorTarget> accumulated;  // RGBA32F: the mean of several sub-frames
   std::optional<BackdropTarget> backdrop;  // only for scenes with transmissive surfaces

@@ -64,7 +64,7 @@ GLuint screen_program(const PassContext& pass, const char* fragment, bool compos
                       gl::FeatureSet features) {
   if (composes && pass.veiled()) {
     features |= gl::kFeatureVeil;
-    bind_texels(pass.context, pass.residency, 1, pass.targets.veil->color);
+    bind_texels(pass.context, pass.residency, 1, pass.targets.veil->pixels);
   }
   const bool shows_other = pass.shown && pass.shown != FilmLayer::kBackground;
   const bool backed = composes && !pass.emission && !shows_other && !pass.is_backdrop;

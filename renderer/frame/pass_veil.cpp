@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include "renderer/frame/draw_binding.hpp"
 #include "renderer/frame/layer_binding.hpp"
@@ -14,9 +15,14 @@ void bind(const PassContext& pass, const Draw& draw) {
   bind_draw(pass.scene, draw);
 }
 
+gl::PixelRect samples_of(const gl::PixelRect& pixels) {
+  return {2 * pixels.x, 2 * pixels.y, 2 * pixels.width, 2 * pixels.height};
+}
+
 void draw_strokes(const PassContext& pass) {
   gl::PassState state = tile_state(pass, pass.targets.veil->framebuffer, Grid::kSamples);
   state.depth = gl::DepthUse::kTestAndWrite;
+  state.scissor = samples_of(pass.veil);
   state.clear_color = glm::vec4(0);
   gl::begin_pass(pass.context, state);
   bind_environment(pass);
@@ -24,6 +30,21 @@ void draw_strokes(const PassContext& pass) {
     bind(pass, draw);
     draw_mesh(draw, GL_NONE);
   }
+}
+
+// Of each pixel, what the passes after this one need: so they fetch one texel and not four.
+void gather_pixels(const PassContext& pass) {
+  const gl::Framebuffer& framebuffer = pass.targets.veil->gather;
+  constexpr GLuint kAll = 0xffffffffu;
+  constexpr std::array<GLuint, 4> kNothing{0, 0, kAll, kAll};
+  gl::PassState state = tile_state(pass, framebuffer, Grid::kPixels);
+  gl::begin_pass(pass.context, state);
+  glClearNamedFramebufferuiv(framebuffer.id(), GL_COLOR, 0, kNothing.data());
+  state.scissor = pass.veil;
+  gl::begin_pass(pass.context, state);
+  bind_program(pass, "screen/fullscreen.vert", "visibility/veil.frag", 0);
+  bind_texels(pass.context, pass.residency, 0, pass.targets.veil->color);
+  draw_viewport(pass.empty_vertex_array);
 }
 
 }  // namespace
@@ -34,6 +55,7 @@ void pass_veil(const PassContext& pass) {
   glLineWidth(std::min(2.f, pass.context.limits().max_line_width));
   draw_strokes(pass);
   gl::PassState state = tile_state(pass, pass.targets.veil->framebuffer, Grid::kSamples);
+  state.scissor = samples_of(pass.veil);
   state.depth = gl::DepthUse::kTest;
   state.blend = gl::Blend::kPremultiplied;
   gl::begin_pass(pass.context, state);
@@ -48,6 +70,7 @@ void pass_veil(const PassContext& pass) {
     }
     draw_mesh(draw, GL_BACK);
   }
+  gather_pixels(pass);
 }
 
 }  // namespace furnace

@@ -5,6 +5,7 @@
 
 #include "renderer/frame/frame_plan.hpp"
 #include "renderer/frame/frame_targets.hpp"
+#include "renderer/gl/pass_state.hpp"
 #include "renderer/gl/program.hpp"
 #include "renderer/residency/draw_list.hpp"
 
@@ -32,12 +33,13 @@ struct PassContext {
   const gl::Texture* sky_sums = nullptr;
   // Where those of negative weight are added up apart; null: in `sum`, as what they are.
   const ColorTarget* lobes = nullptr;
-  bool alone = false;  // this sub-frame is all that comes into `sum`
+  bool alone = false;              // this sub-frame is all that comes into `sum`
+  gl::PixelRect veil = {};         // the pixels that it may cover
+  bool first_is_selected = false;  // nothing was shaded since pass_visibility()
 
   bool shows(FilmLayerKind kind) const { return shown && row_of(*shown).kind == kind; }
-  bool veiled() const {
-    return !(scene.blended.empty() && scene.strokes.empty()) && !shows(FilmLayerKind::kPlace);
-  }
+  bool draws(const Draw& draw) const { return !is_backdrop || !draw.seen_through(); }
+  bool veiled() const { return !veil.empty() && !shows(FilmLayerKind::kPlace); }
   // Numbers of surfaces are no radiance; the veil holds them as they are.
   float veil_exposure() const { return shows(FilmLayerKind::kValue) ? 1 : float(plan.exposure); }
 };
@@ -47,8 +49,14 @@ enum class Casters { kExact, kSimplified };
 // What each view sees of the scene, into its layer of the shadow maps.
 void pass_shadow(const PassContext& pass, std::span<const glm::mat4> clip_from_world, int first_layer,
                  Casters casters);
-// Opaque and masked triangles: which one each sample sees.
-void pass_visibility(const PassContext& pass);
+// What a pixel shows: a part of each surface that its samples see, or all of the nearest one.
+enum class VisibleSurfaces { kAll, kNearest };
+
+// Opaque and masked triangles: which one each sample sees, and which samples of a pixel take one shading.
+void pass_visibility(const PassContext& pass, VisibleSurfaces surfaces);
+// Equal where pass_visibility(pass, kAll) would find the same; nullopt: not known (textures mask triangles; lines or points
+// will leave their depth).
+std::optional<ContentHash> visibility_key(const PassContext& pass, const PreparedScene& prepared);
 // Lines and points, then blended surfaces, farthest first, where no opaque triangle hides them.
 void pass_veil(const PassContext& pass);
 // Shades what is visible: once a pixel and surface.

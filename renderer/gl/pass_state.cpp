@@ -1,5 +1,7 @@
 #include "renderer/gl/pass_state.hpp"
 
+#include <algorithm>
+
 #include <glm/gtc/type_ptr.hpp>
 
 namespace furnace::gl {
@@ -16,12 +18,20 @@ GLenum depth_function(DepthUse use) {
 
 }  // namespace
 
+PixelRect joined(const PixelRect& a, const PixelRect& b) {
+  if (a.empty()) return b;
+  if (b.empty()) return a;
+  const GLint x = std::min(a.x, b.x), y = std::min(a.y, b.y);
+  return {x, y, std::max(a.x + a.width, b.x + b.width) - x, std::max(a.y + a.height, b.y + b.height) - y};
+}
+
 void begin_pass(Context&, const PassState& state) {
   glBindFramebuffer(GL_FRAMEBUFFER, state.framebuffer);
   glViewport(0, 0, state.viewport.width, state.viewport.height);
   // Row 0 of every target is the top of the picture; depth runs from 1 (near) to 0 (far).
   glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
-  glDisable(GL_SCISSOR_TEST);
+  set(GL_SCISSOR_TEST, state.scissor.has_value());
+  if (const auto& rect = state.scissor) glScissor(rect->x, rect->y, rect->width, rect->height);
   glDisable(GL_STENCIL_TEST);
   glDisable(GL_CULL_FACE);
   glDisable(GL_FRAMEBUFFER_SRGB);

@@ -19,9 +19,21 @@ enum class Blend {
   kOr,  // bits of an integer target
 };
 
+// Of a target, px; row 0 is the top.
+struct PixelRect {
+  GLint x = 0, y = 0;
+  GLsizei width = 0, height = 0;
+
+  bool empty() const { return width == 0 || height == 0; }
+};
+
+// The least that holds both.
+PixelRect joined(const PixelRect& a, const PixelRect& b);
+
 struct PassState {
   GLuint framebuffer = 0;
   Extent viewport;
+  std::optional<PixelRect> scissor;  // of what is cleared, too
   DepthUse depth = DepthUse::kOff;
   Blend blend = Blend::kOff;
   std::optional<glm::vec4> clear_color;

@@ -4,11 +4,11 @@
 #include "lib/bicubic.glsl"
 #include "lib/color.glsl"
 #include "lib/sphere.glsl"
-#include "lib/visibility.glsl"
+#include "lib/veil.glsl"
 
 layout(binding = 0) uniform sampler2D frame_map;
 #if FEATURE_VEIL
-layout(binding = 1) uniform sampler2D veil_map;
+layout(binding = 1) uniform usampler2D veil_map;
 #endif
 
 layout(location = 5) uniform float exposure;  // multiplier
@@ -16,8 +16,7 @@ layout(location = 5) uniform float exposure;  // multiplier
 vec4 composed(ivec2 at, vec4 background) {
   vec4 pixel = texelFetch(frame_map, at, 0);
 #if FEATURE_VEIL
-  vec4 veil = vec4(0.0);
-  for (uint i = 0u; i < SAMPLE_COUNT; ++i) veil += texelFetch(veil_map, sample_at(at, i), 0) / float(SAMPLE_COUNT);
+  vec4 veil = veil_mean(texelFetch(veil_map, at, 0));
   pixel += vec4(veil.rgb / exposure, veil.a);
 #endif
   return pixel + max(1.0 - pixel.a, 0.0) * background;

@@ -1,5 +1,5 @@
 // Shades what sample `layer` of each pixel sees, times the share of the pixel that it stands for.
-#include "lib/visibility.glsl"
+#include "lib/veil.glsl"
 #include "surface/constants.glsl"
 #include "surface/deferred_constants.glsl"
 #include "surface/tangent_frame.glsl"
@@ -9,7 +9,7 @@ layout(binding = 9) uniform usampler2D shares_map;
 layout(binding = 10) uniform samplerBuffer vertices;    // deferred.draw.y rows a vertex
 layout(binding = 11) uniform usamplerBuffer triangles;  // three vertex numbers each
 #if FEATURE_VEIL
-layout(binding = 12) uniform sampler2D veil_map;
+layout(binding = 12) uniform usampler2D veil_map;
 #endif
 
 layout(location = 0) uniform uint layer;
@@ -141,10 +141,13 @@ Attributes seen_attributes(uint triangle, vec2 ndc_at) {
 // Of the pixel: the samples that take this shading, where no veil hides them.
 float pixel_share(ivec2 pixel, uint shares) {
   float share = 0.0;
+#if FEATURE_VEIL
+  vec4 passing = veil_passing(texelFetch(veil_map, pixel, 0));
+#endif
   for (uint i = 0u; i < SAMPLE_COUNT; ++i) {
     if (shaded_by(shares, i) != layer) continue;
 #if FEATURE_VEIL
-    share += 1.0 - texelFetch(veil_map, sample_at(pixel, i), 0).a;
+    share += passing[i];
 #else
     share += 1.0;
 #endif

@@ -1,6 +1,6 @@
 // Which of a pixel's four samples are shaded: one for each surface, since shading hardly varies over one surface within a
-// pixel (Ragan-Kelley et al. 2011, "Decoupled Sampling for Graphics Pipelines"). Selects layer 0 too, as select.frag does the
-// others.
+// pixel (Ragan-Kelley et al. 2011, "Decoupled Sampling for Graphics Pipelines"). Selects layer 0 too, as
+// select.frag does the others.
 #include "interface/frame_block.glsl"
 #include "lib/visibility.glsl"
 
@@ -37,7 +37,6 @@ void main() {
   for (uint i = 0u; i < SAMPLE_COUNT; ++i) {
     if (shaded_by(shares, i) != by) shares = shares & ~(7u << 3u * i) | NO_SAMPLE << 3u * i;
   }
-  if (by != 0u) texel_y[0] = 0u;
 #endif
   out_shares = shares;
   gl_FragDepth = depth_of_key(key_of(texel_y[0]));
