@@ -46,7 +46,9 @@ GltfModel::State::State(Decoder& decoder, const ModelBundle& bundle, const Impor
 
 GltfVertices GltfModel::State::vertices_of(const GltfPrimitiveRef& ref, bool with_influences,
                                            GltfNotes& notes) {
-  if (times == Times::kOne) return read_primitive_vertices(document, data, ref, with_influences, notes);
+  const bool deforms = with_influences || !primitive_of(document, ref).targets.empty();
+  if (times == Times::kOne || !deforms)
+    return read_primitive_vertices(document, data, ref, with_influences, notes);
   const auto [entry, fresh] = vertices.try_emplace({ref, with_influences});
   if (fresh) entry->second = read_primitive_vertices(document, data, ref, with_influences, notes);
   return entry->second;

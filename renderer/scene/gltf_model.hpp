@@ -17,7 +17,7 @@ struct GltfModel::State {
   State(Decoder& decoder, const ModelBundle& bundle, const ImportLimits& limits, const Deadline& deadline,
         Times times);
 
-  // As read_primitive_vertices, which a model of several times does once.
+  // As read_primitive_vertices, which a model of several times does once for what deforms.
   GltfVertices vertices_of(const GltfPrimitiveRef& ref, bool with_influences, GltfNotes& notes);
 
   const ModelBundle& bundle;

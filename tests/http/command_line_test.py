@@ -65,9 +65,9 @@ class CommandLine(Case):
                 with open(os.path.join(folder, name), "wb") as file:
                     file.write(content)
 
-            def turn(out):
+            def turn(out, *more):
                 self.run_furnace("render", "quad.gltf", "-o", out, "--width", "48", "--height", "32", "--azimuth", "0", "--turntable", "100",
-                                 "--frames", "4", "--fps", "10", folder=folder)
+                                 "--frames", "4", "--fps", "10", *more, folder=folder)
                 with open(os.path.join(folder, out.replace("%02d", "01")), "rb") as file:
                     return file.read()
 
@@ -84,6 +84,10 @@ class CommandLine(Case):
             for i, frame in enumerate(frames):
                 with open(os.path.join(folder, f"out_{i + 1:02}.png"), "rb") as file:
                     self.assertEqual(file.read(), frame)
+            # While the shutter is open the camera goes on.
+            sharp, blurred, again = (turn("out.png", "--samples", "4", *more) for more in ((), ("--motion-blur", "0.05"), ("--motion-blur", "0.05")))
+            self.assertNotEqual(sharp, blurred)
+            self.assertEqual(blurred, again)
             # Nothing moves, and no animation has a length.
             self.run_furnace("render", "quad.gltf", "-o", "out.webp", "--frames", "4", status=1, folder=folder)
             self.run_furnace("render", "quad.gltf", "-o", "out.webp", "--turntable", "90", status=1, folder=folder)
