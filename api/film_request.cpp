@@ -60,6 +60,9 @@ void read_depth_of_field(const Value& value, DepthOfField& spec, Faults& faults)
   read_degrees(value["bladeRotationDegrees"], spec.blade_rotation_rad);
 }
 
+// Half a turn, as most film cameras have it.
+constexpr double kShutterAngleDeg = 180;
+
 struct FilterRow {
   std::string_view name;
   PixelFilterKind kind;
@@ -220,6 +223,28 @@ void read_output(const Value& value, const RequestLimits& limits, OutputSpec& sp
   read_layers(value, spec);
   if (const Value sequence = value["sequence"]) read_sequence(sequence, spec.sequence.emplace());
   check_limits(value, limits, spec, faults);
+}
+
+void read_motion(const Value& camera, const std::optional<Sequence>& sequence, CameraMotion& spec,
+                 Faults& faults) {
+  const Value value = camera["motionBlur"];
+  if (!value) return;
+  const Value seconds = value["shutterSeconds"] ? value["shutterSeconds"] : camera["shutterSeconds"];
+  const Value angle = value["shutterAngleDegrees"];
+  if (angle && !sequence) {
+    faults.add(ErrorCode::kUnprocessable, angle,
+               "is a share of the time from one frame to the next, so it needs output.sequence; give "
+               "shutterSeconds in its place");
+  } else if (sequence && (angle || !seconds)) {
+    double angle_deg = kShutterAngleDeg;
+    read(angle, angle_deg);
+    spec.shutter_s = angle_deg / 360 / sequence->frames_per_second;
+  } else if (seconds) {
+    spec.shutter_s = seconds.number();
+  } else {
+    faults.add(ErrorCode::kUnprocessable, value,
+               "needs shutterSeconds: a single picture has no frames to open the shutter between");
+  }
 }
 
 }  // namespace furnace::api

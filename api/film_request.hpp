@@ -9,4 +9,8 @@ namespace furnace::api {
 void read_camera(const Value& value, CameraSpec& spec, Faults& faults);
 void read_output(const Value& value, const RequestLimits& limits, OutputSpec& spec, Faults& faults);
 
+// `camera` with the sequence that its pictures belong to, if any.
+void read_motion(const Value& camera, const std::optional<Sequence>& sequence, CameraMotion& spec,
+                 Faults& faults);
+
 }  // namespace furnace::api

@@ -56,6 +56,7 @@ constexpr std::array kKeys = {
     QueryKey{"ev100", "/camera/ev100", kNumber},
     QueryKey{"autoExposure", "/camera/autoExposure", kFlag},
     QueryKey{"fStop", "/camera/depthOfField/fStop", kNumber},
+    QueryKey{"motionBlur", "/camera/motionBlur/shutterSeconds", kNumber},
 
     QueryKey{"width", "/output/width", kNumber},
     QueryKey{"height", "/output/height", kNumber},

@@ -41,6 +41,7 @@ class Reader {
     read_camera(root["camera"], spec.camera, faults_);
     spec.output.format = unstated_format;
     read_output(root["output"], limits_, spec.output, faults_);
+    read_motion(root["camera"], spec.output.sequence, spec.camera.motion, faults_);
     if (const std::string fault = format_fault(spec); !fault.empty())
       faults_.add(ErrorCode::kUnprocessable, root["output"]["format"] ? root["output"]["format"] : root,
                   fault);

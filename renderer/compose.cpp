@@ -63,11 +63,12 @@ void add_node(const SceneSpec& spec, std::size_t index, MaterialComposer& compos
     instance.mesh = int(out.scene.meshes.size());
     instance.material = int(out.scene.materials.size());
     instance.world_from_model = world_from_node(node);
+    instance.place = -1 - std::int64_t(out.scene.instances.size());
     instance.node_name = node.name.value_or(fmt::format("/scene/nodes/{}", index));
     out.scene.materials.push_back(part_material(spec, index, part, mesh.name, composer));
     out.scene.instances.push_back(instance);
     mesh.key = HashBuilder().add("builtin-mesh").add(node.mesh).add(std::int64_t(part)).finish();
-    out.scene.meshes.push_back(std::move(mesh));
+    out.scene.meshes.push_back(std::make_shared<const Mesh>(std::move(mesh)));
   }
 }
 

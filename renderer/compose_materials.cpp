@@ -75,7 +75,7 @@ void replace_layers(Material& material, const MaterialOverride& over) {
 
 void note(ComposedScene& out, const Instance& instance, std::string code, const std::string& what) {
   const std::string& name = out.scene.materials[std::size_t(instance.material)].name;
-  const std::string& mesh = out.scene.meshes[std::size_t(instance.mesh)].name;
+  const std::string& mesh = out.scene.meshes[std::size_t(instance.mesh)]->name;
   out.scene.notes.push_back({std::move(code), "/scene/materials/" + token_of(name),
                              fmt::format("the mesh \"{}\" that wears it {}", mesh, what)});
 }
@@ -127,7 +127,9 @@ int MaterialComposer::add_image(const Blob& encoded, const std::string& pointer)
 void complete_meshes(ComposedScene& out) {
   for (const Instance& instance : out.scene.instances) {
     const Material& material = out.scene.materials[std::size_t(instance.material)];
-    Mesh& mesh = out.scene.meshes[std::size_t(instance.mesh)];
+    SharedMesh& shared = out.scene.meshes[std::size_t(instance.mesh)];
+    if (is_complete(*shared, material)) continue;
+    Mesh mesh = *shared;
     HashBuilder key;
     key.add("completed-mesh").add(mesh.key);
     const std::vector<int> filled = fill_uv_sets(mesh, material);
@@ -142,7 +144,8 @@ void complete_meshes(ComposedScene& out) {
       note(out, instance, "tangents-generated",
            "has no TANGENT, which is needed; MikkTSpace tangents were made");
     }
-    if (tangents || !filled.empty()) mesh.key = key.finish();
+    mesh.key = key.finish();
+    shared = std::make_shared<const Mesh>(std::move(mesh));
   }
 }
 

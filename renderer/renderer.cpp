@@ -14,6 +14,7 @@
 #include "renderer/frame/exposure.hpp"
 #include "renderer/frame/render_world.hpp"
 #include "renderer/scene/framing.hpp"
+#include "renderer/scene/shutter.hpp"
 #include "renderer/context_pool.hpp"
 #include "renderer/scene_store.hpp"
 
@@ -33,26 +34,79 @@ struct GlOutcome {
   bool upload_hit = false;
 };
 
+// One framing for all that is seen while the shutter is open; a camera of the model moves as its node does.
+// Threads: one. Owns: the swept scene.
+class Framing {
+ public:
+  Framing(const RenderSpec& spec, const Preparation& preparation) : spec_(spec) {
+    std::vector<const Scene*> scenes;
+    for (const PreparedMoment& moment : preparation.moments) scenes.push_back(&moment.composed->scene);
+    if (scenes.empty()) {
+      middle_ = view_of(preparation.composed->scene);
+    } else {
+      swept_ = swept_scene(preparation.composed->scene, scenes);
+      middle_ = view_of(*swept_);
+    }
+  }
+
+  const View& middle() const { return middle_; }
+  View at(const Scene& then, double offset_s) {
+    if (!std::holds_alternative<GltfCamera>(spec_.camera.view))
+      return view_at(middle_, spec_.camera.motion, offset_s);
+    if (!swept_) swept_ = then;
+    swept_->cameras = then.cameras;
+    return view_of(*swept_);
+  }
+
+ private:
+  View view_of(const Scene& scene) const {
+    return make_view(spec_.camera, scene, {spec_.output.width, spec_.output.height});
+  }
+
+  const RenderSpec& spec_;
+  std::optional<Scene> swept_;
+  View middle_;
+};
+
+struct Views {
+  View middle;
+  std::vector<View> moments;  // of Preparation::moments
+};
+
+bool wants_motion(const OutputSpec& output) {
+  return output.shown == FilmLayer::kMotion ||
+         std::find(output.layers.begin(), output.layers.end(), FilmLayer::kMotion) != output.layers.end();
+}
+
 GlOutcome draw_on_gl_thread(RenderWorld& world, const RenderSpec& spec, const Preparation& preparation,
-                            const View& view, int max_tile_px, const Deadline& deadline) {
+                            const Views& views, const EarlierScene* earlier, int max_tile_px,
+                            const Deadline& deadline) {
   GlOutcome outcome;
   gl::Context& context = world.context();
   world.programs().poll_sources(context);
   world.residency().begin_frame();
 
   const Clock::time_point upload_start = Clock::now();
-  GpuScene scene;
-  if (!make_gpu_scene(context, world.residency(), preparation.scene, view, scene)) {
-    outcome.kind = GlOutcome::Kind::kEvicted;
-    return outcome;
+  // The middle, then the moments.
+  std::vector<GpuScene> scenes(1 + preparation.moments.size());
+  std::vector<FrameSubject> subjects;
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const PreparedScene& prepared = i == 0 ? preparation.scene : preparation.moments[i - 1].scene;
+    const View& view = i == 0 ? views.middle : views.moments[i - 1];
+    if (!make_gpu_scene(context, world.residency(), prepared, view, scenes[i])) {
+      outcome.kind = GlOutcome::Kind::kEvicted;
+      return outcome;
+    }
+    world.frames().provide_ground_shadow(world.residency(), prepared, scenes[i], deadline);
+    subjects.push_back({view, scenes[i], prepared});
   }
-  world.frames().provide_ground_shadow(world.residency(), preparation.scene, scene, deadline);
+  const std::span<const FrameSubject> moments = std::span(subjects).subspan(1);
   outcome.upload_ms = ms_since(upload_start);
   outcome.upload_hit = !world.residency().uploaded();
 
   const auto draw = [&](const FramePlan& plan) {
     FrameResult drawn =
-        world.frames().render(world.residency(), plan, view, scene, preparation.scene, deadline);
+        world.frames().render(world.residency(), plan, subjects.front(), moments, earlier, deadline);
     drawn.draw_ms += outcome.frame.draw_ms;
     drawn.readback_ms += outcome.frame.readback_ms;
     outcome.frame = std::move(drawn);
@@ -96,6 +150,12 @@ bool misses_veil(const OutputSpec& output, const PreparedScene& scene) {
   const bool wanted = (output.shown && sees_through(*output.shown)) ||
                       std::any_of(output.layers.begin(), output.layers.end(), sees_through);
   return wanted && std::any_of(scene.instances.begin(), scene.instances.end(), is_veil);
+}
+
+// Motion vectors use the shutter, too.
+bool loses_motion_blur(const RenderSpec& spec) {
+  return spec.output.samples == 1 && spec.camera.motion.shutter_s > 0 && moves(spec) &&
+         !wants_motion(spec.output);
 }
 
 RenderSpec probe_spec() {
@@ -191,12 +251,22 @@ Film Renderer::State::render(const RenderSpec& spec, ContextPool::Lease& context
   for (int attempt = 1;; ++attempt) {
     context.begin(deadline);
     Preparation preparation = scenes.prepare(spec, context.resident(), deadline, film.times);
-    const View view =
-        make_view(spec.camera, preparation.composed->scene, {spec.output.width, spec.output.height});
+    Framing framing(spec, preparation);
+    Views views{framing.middle(), {}};
+    for (const PreparedMoment& moment : preparation.moments)
+      views.moments.push_back(framing.at(moment.composed->scene, moment.offset_s));
+    const double interval_s = spec.camera.motion.interval_s();
+    std::shared_ptr<const ComposedScene> before;
+    std::optional<EarlierScene> earlier;
+    if (wants_motion(spec.output) && interval_s > 0) {
+      before = scenes.composed(scene_at(spec.scene, -interval_s), deadline);
+      earlier.emplace(EarlierScene{before->scene, framing.at(before->scene, -interval_s)});
+    }
     const Clock::time_point asked = Clock::now();
     outcome = context.thread().call(deadline, [&](RenderWorld& world) {
       const double queue_ms = ms_since(asked);
-      GlOutcome drawn = draw_on_gl_thread(world, spec, preparation, view, max_tile_px, deadline);
+      GlOutcome drawn = draw_on_gl_thread(world, spec, preparation, views, earlier ? &*earlier : nullptr,
+                                          max_tile_px, deadline);
       drawn.queue_ms = queue_ms;
       return drawn;
     });
@@ -204,6 +274,12 @@ Film Renderer::State::render(const RenderSpec& spec, ContextPool::Lease& context
     if (spec.camera.depth_of_field && spec.output.samples == 1)
       film.notes.push_back({"depth-of-field-needs-samples", "/camera/depthOfField",
                             "a single sample sees through a pinhole; ask for quality high or for samples"});
+    if (loses_motion_blur(spec))
+      film.notes.push_back({"motion-blur-needs-samples", "/camera/motionBlur",
+                            "a single sample sees one instant; ask for quality high or for samples"});
+    if (wants_motion(spec.output) && interval_s == 0)
+      film.notes.push_back({"motion-needs-interval", "/camera/motionBlur",
+                            "without a shutter that is open for a while, or a sequence, motion is 0"});
     if (misses_veil(spec.output, preparation.scene))
       film.notes.push_back(
           {"layers-see-through", "/output",
@@ -230,8 +306,8 @@ Film Renderer::State::render(const RenderSpec& spec, ContextPool::Lease& context
 }
 
 SceneOutline Renderer::outline(const RenderSpec& spec, const Deadline& deadline) {
-  const auto composed = state_->scenes.composed(spec.scene, deadline);
-  return {outline_of(composed->scene, spec.camera), longest_clip_s(spec.scene, composed->scene.animations)};
+  const Scene scene = state_->scenes.swept(spec, deadline);
+  return {outline_of(scene, spec.camera), longest_clip_s(spec.scene, scene.animations)};
 }
 
 EnvironmentAnswer Renderer::environment(const EnvironmentSpec& spec, const Deadline& deadline) {

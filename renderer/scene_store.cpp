@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <set>
+#include <tuple>
 
 #include <fmt/format.h>
-#include <glm/gtc/matrix_transform.hpp>
-
 #include "renderer/base/error.hpp"
 #include "renderer/base/stopwatch.hpp"
 #include "renderer/frame/sky_plan.hpp"
@@ -15,7 +15,9 @@
 #include "renderer/scene/model_errors.hpp"
 #include "renderer/scene/model_import.hpp"
 #include "renderer/scene/occluder.hpp"
+#include "renderer/scene/shutter.hpp"
 #include "renderer/prepare.hpp"
+#include "renderer/prepare_ground.hpp"
 
 namespace furnace {
 namespace {
@@ -24,56 +26,61 @@ ColorSpace texture_color_space(const Material& material, std::size_t use) {
   return is_color_texture(material, TextureUse(use)) ? ColorSpace::kSrgb : ColorSpace::kNonColor;
 }
 
-glm::dvec3 vector_of(const std::array<double, 3>& v) {
-  return {v[0], v[1], v[2]};
-}
+constexpr std::size_t kMostSuns = 4;
 
-glm::dmat3 turned_about_y(double angle_rad) {
-  return glm::dmat3(glm::rotate(glm::dmat4(1), angle_rad, glm::dvec3(0, 1, 0)));
-}
-
-// As many as the shaders take, the suns aside; those that give nothing are left out.
-void take_lights(Preparation& out) {
-  constexpr std::size_t kMostSuns = 4;
+// The scene's own, as many as the shaders take, and the suns of the environment; those that give nothing are left out. Returns
+// how many were too many.
+std::size_t take_lights(const std::vector<Light>& lights, double rotation_rad, PreparedScene& out) {
   std::size_t left_out = 0;
-  for (const Light& light : out.composed->scene.lights) {
+  for (const Light& light : lights) {
     if (light.intensity == glm::dvec3(0)) continue;
-    if (out.scene.lights.size() + kMostSuns < gpu::MOST_LIGHTS) {
-      out.scene.lights.push_back(light);
+    if (out.lights.size() + kMostSuns < gpu::MOST_LIGHTS) {
+      out.lights.push_back(light);
     } else {
       ++left_out;
     }
   }
-  if (left_out == 0) return;
-  out.notes.push_back({"lights-left-out", "/extensions/KHR_lights_punctual/lights",
-                       fmt::format("{} lights more than are drawn at once ({}) were left out", left_out,
-                                   gpu::MOST_LIGHTS - kMostSuns)});
-}
-
-// Directions that stand for the environment, as it shines in the scene.
-std::vector<LightDirection> in_world(std::vector<LightDirection> sources, const PreparedScene& scene,
-                                     double rotation_rad) {
+  if (!out.environment->summary.suns_extracted) return left_out;
   const glm::dmat3 world_from_environment = turned_about_y(rotation_rad);
-  for (LightDirection& source : sources) {
-    const glm::dvec3 turned = world_from_environment * vector_of(source.towards);
-    source.towards = {turned.x, turned.y, turned.z};
-    for (double& share : source.irradiance)
-      share *= scene.environment_intensity / scene.environment->sky.scale;
+  for (const Sun& sun : out.environment->summary.suns) {
+    Light light;
+    light.kind = LightKind::kDirectional;
+    light.direction = -(world_from_environment * vector_of(sun.direction));
+    light.intensity = vector_of(sun.irradiance) * out.environment_intensity;
+    light.angular_radius_rad = sun.angular_radius_rad;
+    out.lights.push_back(light);
   }
-  return sources;
+  return left_out;
 }
 
-// The environment's light and that of directional lights, in world space: about `count` directions.
-std::vector<LightDirection> light_on_ground(const PreparedScene& scene, double rotation_rad, int count) {
-  std::vector<LightDirection> sources =
-      in_world(ground_light(scene.environment->sky.texels, count), scene, rotation_rad);
-  std::vector<std::vector<LightDirection>> all = {std::move(sources)};
-  for (const Light& light : scene.lights) {
-    if (light.kind != LightKind::kDirectional || !light.casts_shadow) continue;
-    const glm::dvec3 &d = light.direction, &e = light.intensity;
-    all.push_back(ground_light({-d.x, -d.y, -d.z}, {e.x, e.y, e.z}, light.angular_radius_rad, count));
-  }
-  return joined_by_light(std::move(all), count);
+void note_lights_left_out(std::size_t count, std::vector<Note>& notes) {
+  if (count == 0) return;
+  notes.push_back({"lights-left-out", "/extensions/KHR_lights_punctual/lights",
+                   fmt::format("{} lights more than are drawn at once ({}) were left out", count,
+                               gpu::MOST_LIGHTS - kMostSuns)});
+}
+
+ImportOptions import_options(const SceneSpec& spec) {
+  return {spec.gltf_scene, spec.variant, spec.animations};
+}
+
+ContentHash scene_hash(const SceneSpec& spec) {
+  RenderSpec scene_only;
+  scene_only.scene = spec;
+  return spec_hash(scene_only);
+}
+
+// The middle, then the moments.
+std::vector<PreparedScene*> scenes_of(Preparation& out) {
+  std::vector<PreparedScene*> scenes = {&out.scene};
+  for (PreparedMoment& moment : out.moments) scenes.push_back(&moment.scene);
+  return scenes;
+}
+
+std::vector<const ComposedScene*> composed_of(const Preparation& out) {
+  std::vector<const ComposedScene*> composed = {out.composed.get()};
+  for (const PreparedMoment& moment : out.moments) composed.push_back(moment.composed.get());
+  return composed;
 }
 
 }  // namespace
@@ -85,38 +92,69 @@ SceneStore::SceneStore(const RendererConfig& config, WorkerPool& pool, Decoder& 
       imports_(config.scene_cache_bytes, [](const Scene& scene) { return std::int64_t(scene.byte_size()); }),
       compositions_(config.scene_cache_bytes,
                     [](const ComposedScene& scene) { return std::int64_t(scene.byte_size()); }),
+      moments_(config.scene_cache_bytes,
+               [](const ComposedMoments& moments) { return std::int64_t(moments.byte_size()); }),
       environments_(config, pool, decoder) {}
+
+std::shared_ptr<const Scene> SceneStore::imported(const SceneSpec& spec, const Deadline& deadline) {
+  HashBuilder key;
+  key.add(spec.model->hash).add(std::int64_t(spec.gltf_scene));
+  if (spec.variant) key.add(*spec.variant);
+  if (spec.up_axis) key.add("up").add(std::int64_t(*spec.up_axis));
+  RenderSpec animated;
+  animated.scene.animations = spec.animations;
+  key.add(spec_hash(animated));
+  return imports_.get_or_load(key.finish(), deadline, [&] {
+    return import_for("/scene/model", [&] {
+      if (spec.model->format != ModelFormat::kGltf)
+        return import_model(*spec.model, spec.up_axis, config_.import, decoder_, deadline);
+      return import_gltf(decoder_, *spec.model, import_options(spec), config_.import, deadline);
+    });
+  });
+}
 
 std::shared_ptr<const ComposedScene> SceneStore::compose(const SceneSpec& spec, const Deadline& deadline,
                                                          bool& hit) {
-  RenderSpec scene_only;
-  scene_only.scene = spec;
   CacheOutcome outcome = CacheOutcome::kLoaded;
   auto composed = compositions_.get_or_load(
-      spec_hash(scene_only), deadline,
-      [&] {
-        if (spec.model == nullptr) return compose_scene(spec, nullptr);
-        HashBuilder key;
-        key.add(spec.model->hash).add(std::int64_t(spec.gltf_scene));
-        if (spec.variant) key.add(*spec.variant);
-        if (spec.up_axis) key.add("up").add(std::int64_t(*spec.up_axis));
-        RenderSpec animated;
-        animated.scene.animations = spec.animations;
-        key.add(spec_hash(animated));
-        const auto model = imports_.get_or_load(key.finish(), deadline, [&] {
-          return import_for("/scene/model", [&] {
-            if (spec.model->format != ModelFormat::kGltf)
-              return import_model(*spec.model, spec.up_axis, config_.import, decoder_, deadline);
-            return import_gltf(decoder_, *spec.model,
-                               ImportOptions{spec.gltf_scene, spec.variant, spec.animations}, config_.import,
-                               deadline);
-          });
-        });
-        return compose_scene(spec, model.get());
-      },
+      scene_hash(spec), deadline,
+      [&] { return compose_scene(spec, spec.model == nullptr ? nullptr : imported(spec, deadline).get()); },
       &outcome);
   hit = outcome == CacheOutcome::kHit;
   return composed;
+}
+
+std::shared_ptr<const ComposedMoments> SceneStore::composed_moments(const RenderSpec& spec,
+                                                                    const ComposedScene& middle,
+                                                                    const Deadline& deadline, bool& hit) {
+  const Shutter shutter{spec.output.samples, moments_wanted(spec), spec.camera.motion.shutter_s};
+  const ContentHash key = HashBuilder()
+                              .add("moments")
+                              .add(scene_hash(spec.scene))
+                              .add(std::int64_t(shutter.subframes))
+                              .add(shutter.open_s)
+                              .finish();
+  CacheOutcome outcome = CacheOutcome::kLoaded;
+  const auto load = [&] {
+    const SceneSpec& scene = spec.scene;
+    if (scene.model == nullptr || scene.model->format != ModelFormat::kGltf) {
+      const auto model = scene.model == nullptr ? nullptr : imported(scene, deadline);
+      return compose_moments(scene, middle, shutter, kMostMomentBytes,
+                             [&](const std::vector<AnimationClip>&) { return model; });
+    }
+    return import_for("/scene/model", [&] {
+      GltfModel model(decoder_, *scene.model, config_.import, deadline, GltfModel::Times::kSeveral);
+      return compose_moments(scene, middle, shutter, kMostMomentBytes,
+                             [&](const std::vector<AnimationClip>& clips) {
+                               ImportOptions options = import_options(scene);
+                               options.animations = clips;
+                               return std::make_shared<const Scene>(model.import(options));
+                             });
+    });
+  };
+  auto moments = moments_.get_or_load(key, deadline, load, &outcome);
+  hit = hit && outcome == CacheOutcome::kHit;
+  return moments;
 }
 
 std::shared_ptr<const ComposedScene> SceneStore::composed(const SceneSpec& spec, const Deadline& deadline) {
@@ -124,71 +162,102 @@ std::shared_ptr<const ComposedScene> SceneStore::composed(const SceneSpec& spec,
   return compose(spec, deadline, hit);
 }
 
-void SceneStore::prepare_meshes(const ResidentKeys& resident, Preparation& out) {
-  const std::vector<Mesh>& meshes = out.composed->scene.meshes;
-  out.scene.meshes.resize(meshes.size());
-  constexpr double kPackCostUs = 1'000;
-  pool_.parallel_for(meshes.size(), kPackCostUs, [&](std::size_t i) {
-    PreparedMesh& prepared = out.scene.meshes[i];
-    prepared.key = meshes[i].key;
-    // Shares the composition's life: the mesh is not copied.
-    prepared.mesh = std::shared_ptr<const Mesh>(out.composed, &meshes[i]);
-    if (!resident.contains(prepared.key))
-      prepared.packed = std::make_shared<const PackedMesh>(pack_mesh(meshes[i]));
-  });
+Scene SceneStore::swept(const RenderSpec& spec, const Deadline& deadline) {
+  const auto middle = composed(spec.scene, deadline);
+  if (moments_wanted(spec) == 0) return middle->scene;
+  bool hit = false;
+  const auto moments = composed_moments(spec, *middle, deadline, hit);
+  std::vector<const Scene*> scenes;
+  for (const auto& moment : moments->scenes) scenes.push_back(&moment->scene);
+  return swept_scene(middle->scene, scenes);
 }
 
-void SceneStore::prepare_occluders(const ResidentKeys& resident, PreparedScene& out) {
+void SceneStore::add_moments(const RenderSpec& spec, const Deadline& deadline, bool& hit, Preparation& out) {
+  const int wanted = moments_wanted(spec);
+  if (wanted == 0) return;
+  const auto moments = composed_moments(spec, *out.composed, deadline, hit);
+  for (std::size_t i = 0; i < moments->scenes.size(); ++i)
+    out.moments.push_back({moments->scenes[i], moments->offsets_s[i], {}});
+  if (const auto seen = moments->scenes.size(); seen < std::size_t(wanted))
+    out.notes.push_back({"motion-blur-coarse", "/camera/motionBlur",
+                         fmt::format("the scene at one moment takes so much memory that the open shutter is "
+                                     "seen at {} moments, not {}",
+                                     seen, wanted)});
+}
+
+std::vector<PreparedMesh> SceneStore::prepare_meshes(const ResidentKeys& resident, const Preparation& out) {
+  std::vector<PreparedMesh> meshes;
+  std::set<ContentHash> known;
+  for (const ComposedScene* composed : composed_of(out)) {
+    for (const SharedMesh& mesh : composed->scene.meshes)
+      if (known.insert(mesh->key).second) meshes.push_back({mesh->key, mesh, nullptr, nullptr});
+  }
+  constexpr double kPackCostUs = 1'000;
+  pool_.parallel_for(meshes.size(), kPackCostUs, [&](std::size_t i) {
+    if (!resident.contains(meshes[i].key))
+      meshes[i].packed = std::make_shared<const PackedMesh>(pack_mesh(*meshes[i].mesh));
+  });
+  return meshes;
+}
+
+void SceneStore::prepare_occluders(const ResidentKeys& resident, std::vector<PreparedMesh>& meshes) {
   constexpr double kSimplifyCostUs = 5'000;
-  pool_.parallel_for(out.meshes.size(), kSimplifyCostUs, [&](std::size_t i) {
-    PreparedMesh& mesh = out.meshes[i];
+  pool_.parallel_for(meshes.size(), kSimplifyCostUs, [&](std::size_t i) {
+    PreparedMesh& mesh = meshes[i];
     if (mesh.mesh->topology != Topology::kTriangles || resident.contains(occluder_key_of(mesh.key))) return;
     mesh.occluder =
         std::make_shared<const std::vector<std::uint32_t>>(occluder_indices(*mesh.mesh, kSurfaceOccluder));
   });
 }
 
-void SceneStore::prepare_textures(const ResidentKeys& resident, PreparedScene& out, const Scene& scene,
-                                  const Deadline& deadline, std::vector<Note>& notes, bool& hit) {
+void SceneStore::prepare_textures(const ResidentKeys& resident, const Deadline& deadline, bool& hit,
+                                  Preparation& out) {
   struct Wanted {
     const SceneImage* image;
     ColorSpace color_space;
   };
   std::vector<Wanted> wanted;
-  std::map<std::pair<int, ColorSpace>, int> index_of;
-  for (Material& material : out.materials) {
-    for (std::size_t use = 0; use < kTextureUses; ++use) {
-      auto& slot = material.textures[use];
-      if (!slot) continue;
-      const ColorSpace color_space = texture_color_space(material, use);
-      const auto [entry, fresh] = index_of.try_emplace({slot->image, color_space}, int(wanted.size()));
-      if (fresh) wanted.push_back({&scene.images[std::size_t(slot->image)], color_space});
-      slot->image = entry->second;
+  std::map<std::tuple<ContentHash, std::string, ColorSpace>, int> index_of;
+  const std::vector<PreparedScene*> scenes = scenes_of(out);
+  const std::vector<const ComposedScene*> composed = composed_of(out);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    for (Material& material : scenes[i]->materials) {
+      for (std::size_t use = 0; use < kTextureUses; ++use) {
+        auto& slot = material.textures[use];
+        if (!slot) continue;
+        const SceneImage& image = composed[i]->scene.images[std::size_t(slot->image)];
+        const ColorSpace color_space = texture_color_space(material, use);
+        const auto [entry, fresh] =
+            index_of.try_emplace({image.encoded.hash(), image.pointer, color_space}, int(wanted.size()));
+        if (fresh) wanted.push_back({&image, color_space});
+        slot->image = entry->second;
+      }
     }
   }
-  out.textures.resize(wanted.size());
+  std::vector<PreparedTexture> textures(wanted.size());
   std::vector<std::vector<Note>> texture_notes(wanted.size());
   constexpr double kDecodeCostUs = 10'000;
   pool_.parallel_for(wanted.size(), kDecodeCostUs, [&](std::size_t i) {
     const Wanted& texture = wanted[i];
-    out.textures[i].key = HashBuilder()
-                              .add("texture")
-                              .add(texture.image->encoded.hash())
-                              .add(std::int64_t(texture.color_space))
-                              .finish();
-    if (resident.contains(out.textures[i].key)) {
-      texture_notes[i] = texture_notes_.recall(out.textures[i].key, texture.image->pointer);
+    textures[i].key = HashBuilder()
+                          .add("texture")
+                          .add(texture.image->encoded.hash())
+                          .add(std::int64_t(texture.color_space))
+                          .finish();
+    if (resident.contains(textures[i].key)) {
+      texture_notes[i] = texture_notes_.recall(textures[i].key, texture.image->pointer);
       return;
     }
     PreparedPixels prepared = prepare_texture(decoder_, texture.image->encoded, texture.color_space,
                                               texture.image->pointer, config_.texture, deadline);
-    out.textures[i].levels = std::make_shared<const std::vector<Image>>(std::move(prepared.levels));
-    out.textures[i].lowest_green = prepared.lowest_green;
-    texture_notes_.remember(out.textures[i].key, prepared.notes);
+    textures[i].levels = std::make_shared<const std::vector<Image>>(std::move(prepared.levels));
+    textures[i].lowest_green = prepared.lowest_green;
+    texture_notes_.remember(textures[i].key, prepared.notes);
     texture_notes[i] = std::move(prepared.notes);
   });
-  for (auto& more : texture_notes) std::move(more.begin(), more.end(), std::back_inserter(notes));
-  for (const PreparedTexture& texture : out.textures) hit = hit && texture.levels == nullptr;
+  for (auto& more : texture_notes) std::move(more.begin(), more.end(), std::back_inserter(out.notes));
+  for (const PreparedTexture& texture : textures) hit = hit && texture.levels == nullptr;
+  for (PreparedScene* scene : scenes) scene->textures = textures;
 }
 
 EnvironmentAnswer SceneStore::environment_summary(const EnvironmentSpec& spec, const Deadline& deadline) {
@@ -197,8 +266,8 @@ EnvironmentAnswer SceneStore::environment_summary(const EnvironmentSpec& spec, c
   return {found->environment.summary, times.bake_hit};
 }
 
-void SceneStore::prepare_environment(const RenderSpec& spec, const ResidentKeys& resident,
-                                     const Deadline& deadline, StageTimes& times, Preparation& out) {
+void SceneStore::prepare_environment(const RenderSpec& spec, const Deadline& deadline, StageTimes& times,
+                                     Preparation& out) {
   const EnvironmentSpec& wanted = spec.environment;
   const auto baked = environments_.baked(wanted.map, wanted.sun, deadline, times);
   out.notes.insert(out.notes.end(), baked->notes.begin(), baked->notes.end());
@@ -216,18 +285,6 @@ void SceneStore::prepare_environment(const RenderSpec& spec, const ResidentKeys&
     scene.environment_intensity *= *wanted.illuminance_lux / lux;
   }
 
-  take_lights(out);
-  if (environment.summary.suns_extracted) {
-    const glm::dmat3 world_from_environment = turned_about_y(wanted.rotation_rad);
-    for (const Sun& sun : environment.summary.suns) {
-      Light light;
-      light.kind = LightKind::kDirectional;
-      light.direction = -(world_from_environment * vector_of(sun.direction));
-      light.intensity = vector_of(sun.irradiance) * scene.environment_intensity;
-      light.angular_radius_rad = sun.angular_radius_rad;
-      scene.lights.push_back(light);
-    }
-  }
   if (const auto* seen = std::get_if<EnvironmentBackground>(&wanted.background)) {
     scene.background_intensity = seen->intensity;
     if (!seen->map) scene.background_intensity *= scene.environment_intensity;
@@ -243,71 +300,72 @@ void SceneStore::prepare_environment(const RenderSpec& spec, const ResidentKeys&
                                 scene, wanted.rotation_rad);
     if (!scene.sky_lights.empty())
       scene.sky_sums = light_sums(scene.sky_lights, gpu::SKY_SUMS_PX, gpu::SKY_LOBES, pool_);
-    prepare_occluders(resident, out.scene);
   }
-  if (wanted.ground) prepare_ground(spec, resident, times, out);
+  // What lights the middle lights every moment; the sums are read once.
+  for (PreparedMoment& moment : out.moments) {
+    moment.scene.environment = scene.environment;
+    moment.scene.background = scene.background;
+    moment.scene.sky_lights = scene.sky_lights;
+    moment.scene.environment_intensity = scene.environment_intensity;
+    moment.scene.background_intensity = scene.background_intensity;
+  }
 }
 
-void SceneStore::prepare_ground(const RenderSpec& spec, const ResidentKeys& resident, StageTimes& times,
-                                Preparation& out) {
+void SceneStore::prepare_grounds(const RenderSpec& spec, const ResidentKeys& resident, StageTimes& times,
+                                 Preparation& out) {
+  if (!spec.environment.ground) return;
   const Stopwatch watch(times.bake_ms);
-  const GroundSpec& wanted = *spec.environment.ground;
-  PreparedGround ground;
-  ground.bounds = out.scene.bounds;
-  if (ground.bounds.empty()) ground.bounds = {glm::vec3(-0.5f), glm::vec3(0.5f)};  // as it is framed
-  ground.level_m = wanted.level_m.value_or(double(ground.bounds.min.y));
-  if (wanted.shadow) {
-    // Sub-frames of finer pictures are worth finer penumbrae.
-    const int lights = std::clamp(128 * spec.output.samples / 4, 128, 1024);
-    const double rotation_rad = spec.environment.rotation_rad;
-    RenderSpec scene_only;
-    scene_only.scene = spec.scene;
-    const ContentHash key = HashBuilder()
-                                .add("ground")
-                                .add(spec_hash(scene_only))
-                                .add(out.scene.environment->key)
-                                .add(rotation_rad)
-                                .add(out.scene.environment_intensity)  // against the scene's own lights
-                                .add(ground.level_m)
-                                .add(std::int64_t(lights))
-                                .finish();
-    ground.shadow_key = key;
-    if (!resident.contains(key)) {
-      ground.light = std::make_shared<const std::vector<LightDirection>>(
-          light_on_ground(out.scene, rotation_rad, lights));
-      for (const Light& light : out.scene.lights) {
-        if (light.kind == LightKind::kDirectional && !light.casts_shadow)
-          ground.free_irradiance += light.intensity * std::max(-light.direction.y, 0.0);
-      }
-      const std::vector<Mesh>& meshes = out.composed->scene.meshes;
-      ground.occluders.resize(meshes.size());
-      constexpr double kSimplifyCostUs = 5'000;
-      pool_.parallel_for(meshes.size(), kSimplifyCostUs, [&](std::size_t i) {
-        if (meshes[i].topology == Topology::kTriangles)
-          ground.occluders[i] = occluder_indices(meshes[i], kGroundOccluder);
-      });
-    }
+  GroundWork work(*spec.environment.ground, spec.environment.rotation_rad, spec.output.samples, resident,
+                  pool_);
+  const std::vector<PreparedScene*> scenes = scenes_of(out);
+  for (const PreparedScene* scene : scenes) work.add_bounds(scene->bounds);
+  const bool metered = std::holds_alternative<AutoExposure>(spec.camera.metering);
+  out.scene.ground = out.moments.empty() || metered ? work.with_shadow(scene_hash(spec.scene), out.scene, {})
+                                                    : work.without_shadow();
+  for (std::size_t i = 0; i < out.moments.size(); ++i) {
+    PreparedMoment& moment = out.moments[i];
+    moment.scene.ground = work.with_shadow(scene_hash(scene_at(spec.scene, moment.offset_s)), moment.scene,
+                                           {int(i), int(out.moments.size())});
   }
-  out.scene.ground = std::move(ground);
 }
 
 Preparation SceneStore::prepare(const RenderSpec& spec, const ResidentKeys& resident,
                                 const Deadline& deadline, StageTimes& times) {
   Preparation out;
+  std::vector<PreparedMesh> meshes;
   {
     const Stopwatch watch(times.decode_ms);
     out.composed = compose(spec.scene, deadline, times.decode_hit);
-    const Scene& scene = out.composed->scene;
-    out.notes = scene.notes;
-    out.scene.materials = scene.materials;
-    out.scene.instances = scene.instances;
-    out.scene.bounds = out.composed->bounds;
-    prepare_meshes(resident, out);
+    out.notes = out.composed->scene.notes;
+    add_moments(spec, deadline, times.decode_hit, out);
+    const std::vector<PreparedScene*> scenes = scenes_of(out);
+    const std::vector<const ComposedScene*> composed = composed_of(out);
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+      scenes[i]->materials = composed[i]->scene.materials;
+      scenes[i]->instances = composed[i]->scene.instances;
+      scenes[i]->bounds = composed[i]->bounds;
+    }
+    meshes = prepare_meshes(resident, out);
     check_deadline(deadline, "decode");
-    prepare_textures(resident, out.scene, scene, deadline, out.notes, times.decode_hit);
+    prepare_textures(resident, deadline, times.decode_hit, out);
   }
   check_deadline(deadline, "bake");
-  prepare_environment(spec, resident, deadline, times, out);
+  prepare_environment(spec, deadline, times, out);
+  if (!out.scene.sky_lights.empty()) prepare_occluders(resident, meshes);
+  std::map<ContentHash, const PreparedMesh*> mesh_of;
+  for (const PreparedMesh& mesh : meshes) mesh_of.emplace(mesh.key, &mesh);
+  std::size_t lights_left_out = 0;
+  const std::vector<PreparedScene*> scenes = scenes_of(out);
+  const std::vector<const ComposedScene*> composed = composed_of(out);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    for (const SharedMesh& mesh : composed[i]->scene.meshes)
+      scenes[i]->meshes.push_back(*mesh_of.at(mesh->key));
+    const std::size_t left_out =
+        take_lights(composed[i]->scene.lights, spec.environment.rotation_rad, *scenes[i]);
+    lights_left_out = std::max(lights_left_out, left_out);
+  }
+  note_lights_left_out(lights_left_out, out.notes);
+  prepare_grounds(spec, resident, times, out);
   return out;
 }
 

@@ -30,7 +30,7 @@ Scene model() {
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   mesh.normals.assign(3, glm::vec3(0, 0, 1));
   mesh.indices = {0, 1, 2};
-  scene.meshes = {mesh};
+  scene.meshes = {std::make_shared<const Mesh>(std::move(mesh))};
   scene.images = {{Blob(std::string("own")), "/images/0"}};
   Material material;
   material.name = "skin";
@@ -139,14 +139,14 @@ TEST(Compose, MeshesGetWhatAnOverrideNeedsUnderAnotherKey) {
   Scene scene = model();
   scene.materials[0].textures = {};
   const ComposedScene plain = compose_scene({}, &scene);
-  EXPECT_THAT(plain.scene.meshes[0].tangents, IsEmpty());
+  EXPECT_THAT(plain.scene.meshes[0]->tangents, IsEmpty());
 
   SceneSpec brushed;
   brushed.materials["skin"].anisotropy = 0.5f;
   const ComposedScene composed = compose_scene(brushed, &scene);
-  EXPECT_THAT(composed.scene.meshes[0].tangents, SizeIs(3));
-  EXPECT_THAT(composed.scene.meshes[0].uvs[0], Each(glm::vec2(0)));
-  EXPECT_NE(composed.scene.meshes[0].key, plain.scene.meshes[0].key);
+  EXPECT_THAT(composed.scene.meshes[0]->tangents, SizeIs(3));
+  EXPECT_THAT(composed.scene.meshes[0]->uvs[0], Each(glm::vec2(0)));
+  EXPECT_NE(composed.scene.meshes[0]->key, plain.scene.meshes[0]->key);
   ASSERT_NE(find_note(composed, "tangents-generated"), nullptr);
   EXPECT_EQ(find_note(composed, "tangents-generated")->pointer, "/scene/materials/skin");
   EXPECT_NE(find_note(composed, "uv-set-missing"), nullptr);
@@ -156,10 +156,10 @@ TEST(Compose, MeshesGetWhatAnOverrideNeedsUnderAnotherKey) {
   occlusion.uv_set = 1;
   texture(second_set, "skin", TextureUse::kOcclusion) = occlusion;
   const ComposedScene other = compose_scene(second_set, &scene);
-  EXPECT_THAT(other.scene.meshes[0].tangents, IsEmpty());
-  EXPECT_THAT(other.scene.meshes[0].uvs[1], SizeIs(3));
-  EXPECT_NE(other.scene.meshes[0].key, plain.scene.meshes[0].key);
-  EXPECT_NE(other.scene.meshes[0].key, composed.scene.meshes[0].key);
+  EXPECT_THAT(other.scene.meshes[0]->tangents, IsEmpty());
+  EXPECT_THAT(other.scene.meshes[0]->uvs[1], SizeIs(3));
+  EXPECT_NE(other.scene.meshes[0]->key, plain.scene.meshes[0]->key);
+  EXPECT_NE(other.scene.meshes[0]->key, composed.scene.meshes[0]->key);
 }
 
 TEST(Compose, BuiltInMeshesHaveWhatTexturesNeed) {
@@ -170,9 +170,9 @@ TEST(Compose, BuiltInMeshesHaveWhatTexturesNeed) {
   spec.materials["m"].anisotropy = 1;
   const ComposedScene composed = compose_scene(spec, nullptr);
   EXPECT_THAT(composed.scene.notes, IsEmpty());
-  for (const Mesh& mesh : composed.scene.meshes) {
-    EXPECT_EQ(mesh.tangents.size(), mesh.positions.size()) << mesh.name;
-    EXPECT_EQ(mesh.uvs[0].size(), mesh.positions.size()) << mesh.name;
+  for (const SharedMesh& mesh : composed.scene.meshes) {
+    EXPECT_EQ(mesh->tangents.size(), mesh->positions.size()) << mesh->name;
+    EXPECT_EQ(mesh->uvs[0].size(), mesh->positions.size()) << mesh->name;
   }
 }
 

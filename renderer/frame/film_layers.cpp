@@ -55,12 +55,15 @@ std::vector<std::string> draw_names(const PreparedScene& scene, bool of_material
 
 }  // namespace
 
-FilmLayers::FilmLayers(const FramePlan& plan, const View& view, const PreparedScene& scene)
-    : plan_(plan), view_(view), scene_(scene) {
+FilmLayers::FilmLayers(const FramePlan& plan, const Subject& subject,
+                       const std::vector<const PreparedScene*>& seen)
+    : plan_(plan), view_(subject.view) {
   const LayerPlan& wanted = plan.layers;
   if (wanted.sources.empty() && !wanted.any_matte()) return;
-  object_of_key_ = numbers_of_names(draw_names(scene, false));
-  material_of_key_ = numbers_of_names(draw_names(scene, true));
+  if (subject.earlier != nullptr)
+    motion_.emplace(plan.picture, subject.view, subject.scene, *subject.earlier);
+  object_of_key_ = numbers_of_names(draw_names(subject.scene, false));
+  material_of_key_ = numbers_of_names(draw_names(subject.scene, true));
   const auto add_image = [&](FilmLayer layer, const std::string& name) {
     const std::string channels(row_of(layer).channels);
     images_.push_back(
@@ -74,7 +77,7 @@ FilmLayers::FilmLayers(const FramePlan& plan, const View& view, const PreparedSc
   }
   for (const FilmLayer layer : wanted.layers) {
     if (!is_matte(layer)) continue;
-    mattes_.push_back({layer, matte_of(layer)});
+    mattes_.push_back({layer, matte_of(layer, seen)});
     for (int level = 0; level < kMatteLevels; ++level)
       add_image(layer, fmt::format("{}{:02}", row_of(layer).name, level));
   }
@@ -82,11 +85,20 @@ FilmLayers::FilmLayers(const FramePlan& plan, const View& view, const PreparedSc
     shown_ = make_image(plan.picture, 4, SampleType::kFloat32, ColorSpace::kNonColor);
 }
 
-FilmLayers::Matte FilmLayers::matte_of(FilmLayer layer) const {
+FilmLayers::Matte FilmLayers::matte_of(FilmLayer layer, const std::vector<const PreparedScene*>& seen) const {
   Matte matte;
-  matte.names = draw_names(scene_, layer == FilmLayer::kCryptoMaterial);
-  matte.id_of_key.push_back(0);
-  for (const std::string& name : matte.names) matte.id_of_key.push_back(matte_id(name));
+  std::map<std::string, float> id_of_name;
+  for (const PreparedScene* scene : seen) {
+    std::vector<float>& ids = matte.id_of_key.emplace_back(1, 0.f);
+    for (const std::string& name : draw_names(*scene, layer == FilmLayer::kCryptoMaterial)) {
+      const auto [known, fresh] = id_of_name.try_emplace(name, 0.f);
+      if (fresh) {
+        known->second = matte_id(name);
+        matte.names.push_back(name);
+      }
+      ids.push_back(known->second);
+    }
+  }
   return matte;
 }
 
@@ -134,18 +146,42 @@ void FilmLayers::store(FilmLayer source, const Image& drawn, const Tile& tile) {
       }
     }
   };
+  const auto is_served = [&](FilmLayer layer) {
+    return source_of(layer) == source && layer != FilmLayer::kMotion;
+  };
   for (std::size_t i = 0; i < kept_.size(); ++i)
-    if (source_of(kept_[i]) == source) store_one(kept_[i], images_[i].image);
-  if (!shown_.pixels.empty() && source_of(*plan_.layers.shown) == source)
-    store_one(*plan_.layers.shown, shown_);
+    if (is_served(kept_[i])) store_one(kept_[i], images_[i].image);
+  if (!shown_.pixels.empty() && is_served(*plan_.layers.shown)) store_one(*plan_.layers.shown, shown_);
+}
+
+void FilmLayers::store_motion(const Image& positions, const Image& numbers, const Tile& tile) {
+  const auto places = positions.samples<float>(), keys = numbers.samples<float>();
+  for (int y = 0; y < tile.size.height; ++y) {
+    const std::size_t from = std::size_t(y) * std::size_t(positions.extent.width);
+    const std::size_t to = std::size_t(tile.y + y) * std::size_t(plan_.picture.width) + std::size_t(tile.x);
+    for (std::size_t x = 0; x < std::size_t(tile.size.width); ++x) {
+      const float *place = &places[4 * (from + x)], *key = &keys[4 * (from + x)];
+      glm::vec2 moved(0);
+      if (motion_ && place[3] != 0)
+        moved = motion_->at(std::uint32_t(key[0]), std::uint32_t(key[1]), {place[0], place[1], place[2]});
+      put_all(FilmLayer::kMotion, to + x, {moved, 0, place[3]});
+    }
+  }
+}
+
+// Wherever the layer is wanted.
+void FilmLayers::put_all(FilmLayer layer, std::size_t pixel, const glm::vec4& numbers) {
+  for (std::size_t i = 0; i < kept_.size(); ++i)
+    if (kept_[i] == layer) put(images_[i].image, pixel, numbers);
+  if (!shown_.pixels.empty() && plan_.layers.shown == layer) put(shown_, pixel, numbers);
 }
 
 void FilmLayers::begin_mattes(const Tile& tile) {
   for (auto& [layer, matte] : mattes_) matte.tile = MatteTile(tile.size);
 }
 
-void FilmLayers::add_to_mattes(const std::vector<std::uint32_t>& keys, float weight) {
-  for (auto& [layer, matte] : mattes_) matte.tile.add(keys, matte.id_of_key, weight);
+void FilmLayers::add_to_mattes(const std::vector<std::uint32_t>& keys, float weight, std::size_t moment) {
+  for (auto& [layer, matte] : mattes_) matte.tile.add(keys, matte.id_of_key[moment], weight);
 }
 
 void FilmLayers::store_mattes(const Tile& tile) {

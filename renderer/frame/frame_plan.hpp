@@ -1,6 +1,7 @@
 // What one frame will do, decided before any GL call: a pure function of the request and the context's limits.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -55,6 +56,10 @@ struct FramePlan {
   SampleType film_type = SampleType::kUint8;  // kUint8/16: tone-mapped sRGB; kFloat16/32: linear
   bool opaque = true;                         // no transparent pixel can come out
 
+  // Whether the filter takes some sub-frames away.
+  bool has_lobes() const {
+    return std::any_of(weights.begin(), weights.end(), [](float weight) { return weight < 0; });
+  }
   bool scene_linear() const { return film_type == SampleType::kFloat16 || film_type == SampleType::kFloat32; }
 };
 

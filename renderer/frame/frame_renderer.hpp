@@ -2,6 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "renderer/base/deadline.hpp"
 #include "renderer/frame/film_layers.hpp"
@@ -12,7 +14,12 @@
 
 namespace furnace {
 
-struct PassContext;
+// A scene as a camera sees it at one time.
+struct FrameSubject {
+  const View& view;
+  const GpuScene& scene;
+  const PreparedScene& prepared;
+};
 
 struct FrameResult {
   // RGBA of the plan's film_type, straight alpha for kUint8/16, premultiplied else; of a film layer's numbers what view_of() makes.
@@ -29,9 +36,12 @@ class FrameRenderer {
  public:
   FrameRenderer(gl::Context& context, gl::ProgramCache& programs);
 
+  // `middle`: of the shutter; what a lone sub-frame sees, and places. `moments`: what several see, each its own
+  // (scene/shutter.hpp); empty where nothing moves. `earlier`: what motion vectors look back at, or null.
   // Errors: kDeadlineExceeded between sub-frames.
-  FrameResult render(Residency& residency, const FramePlan& plan, const View& view, const GpuScene& scene,
-                     const PreparedScene& prepared, const Deadline& deadline);
+  FrameResult render(Residency& residency, const FramePlan& plan, const FrameSubject& middle,
+                     std::span<const FrameSubject> moments, const EarlierScene* earlier,
+                     const Deadline& deadline);
 
   // Draws the ground's shadow where the scene wants one and has none yet. Errors: kDeadlineExceeded.
   void provide_ground_shadow(Residency& residency, const PreparedScene& prepared, GpuScene& scene,
@@ -42,27 +52,41 @@ class FrameRenderer {
   struct FrameJob {
     Residency& residency;
     const FramePlan& plan;
-    const View& view;
-    const GpuScene& scene;
-    const PreparedScene& prepared;
+    const FrameSubject& middle;
+    std::span<const FrameSubject> moments;
+    std::vector<int> moment_of;  // of each sub-frame; empty where nothing moves
     const Deadline& deadline;
     FrameTargets& targets;
     FilmLayers& layers;
     const gl::Texture* sky_sums;  // as PassContext's
+
+    const FrameSubject& subject(std::size_t subframe) const {
+      return moment_of.empty() ? middle : moments[std::size_t(moment_of[subframe])];
+    }
+    std::size_t moment(std::size_t subframe) const {
+      return moment_of.empty() ? 0 : std::size_t(moment_of[subframe]);
+    }
+  };
+  // What a drawing of a sub-frame is for.
+  enum class Purpose {
+    kPicture,
+    kBackdrop,           // of all sub-frames
+    kBackdropOfSubframe  // of this one alone
   };
   struct LightBuffers {
     gl::Buffer lights, sky;
   };
   LightBuffers draw_shadows(const FrameJob& job, const PassContext& pass, std::size_t subframe);
   // Whether it was drawn.
-  bool provide_visibility(const FrameJob& job, const PassContext& pass);
+  bool provide_visibility(const FrameJob& job, const PassContext& pass, const PreparedScene& prepared);
   void draw_backdrop(const FrameJob& job);
+  void draw_backdrop_of(const FrameJob& job, std::size_t subframe);
   void draw_places(const FrameJob& job, const Tile& tile);
   void draw_layers(const FrameJob& job, const PassContext& pass, std::size_t subframe);
   void resolve(const FrameJob& job, const PassContext& pass);
   void read_tile(const FrameJob& job, const Tile& tile, Image& pixels);
   void draw_subframe(const FrameJob& job, const FramePlan& plan, const Tile& tile, std::size_t subframe,
-                     const gl::Texture* glow);
+                     Purpose purpose, const gl::Texture* glow);
 
   gl::Context& context_;
   gl::ProgramCache& programs_;

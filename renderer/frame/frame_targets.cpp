@@ -69,6 +69,10 @@ void provide_targets(gl::Context& context, const FramePlan& plan, TargetNeeds ne
     targets->accumulated = create_color_target(context, kRadiance, plan.tile_size);
   if (needs.emission && !targets->emission)
     targets->emission = create_color_target(context, kRadiance, plan.tile_size);
+  if (needs.lobes && !targets->lobes)
+    targets->lobes = create_color_target(context, kRadiance, plan.tile_size);
+  if (needs.behind && !targets->behind)
+    targets->behind = create_color_target(context, kRadiance, plan.tile_size);
   if (targets->layers.size() > needs.layers) targets->layers.resize(needs.layers);
   while (targets->layers.size() < needs.layers)
     targets->layers.push_back(create_color_target(context, kRadiance, plan.tile_size));

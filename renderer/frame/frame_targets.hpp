@@ -63,12 +63,14 @@ struct FrameTargets {
   std::optional<ColorTarget> accumulated;  // RGBA32F: the mean of several sub-frames
   std::optional<BackdropTarget> backdrop;  // only for scenes with transmissive surfaces
   std::optional<ColorTarget> emission;     // RGBA32F: the mean of what the surfaces emit, for bloom
+  std::optional<ColorTarget> lobes;        // RGBA32F: of sub-frames that the filter takes away
+  std::optional<ColorTarget> behind;       // RGBA32F: of one sub-frame, on its way to the backdrop
   std::vector<ColorTarget> layers;         // RGBA32F: LayerPlan::sources
   ColorTarget film;                        // what is read back
 };
 
 struct TargetNeeds {
-  bool veil = false, accumulated = false, emission = false;
+  bool veil = false, accumulated = false, emission = false, lobes = false, behind = false;
   std::size_t layers = 0;
 };
 

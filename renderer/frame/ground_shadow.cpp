@@ -78,11 +78,11 @@ void cast(gl::Context& context, gl::ProgramCache& programs, const GpuScene& scen
 
 std::vector<GpuOccluder> upload_occluders(gl::Context& context, const PreparedGround& ground) {
   std::vector<GpuOccluder> occluders;
-  for (const std::vector<std::uint32_t>& indices : ground.occluders) {
+  for (const auto& indices : ground.occluders) {
     GpuOccluder occluder;
-    occluder.count = GLsizei(indices.size());
-    if (!indices.empty())
-      occluder.indices = gl::create_buffer(context, indices.data(), indices.size() * sizeof(std::uint32_t));
+    occluder.count = indices == nullptr ? 0 : GLsizei(indices->size());
+    if (occluder.count > 0)
+      occluder.indices = gl::create_buffer(context, indices->data(), indices->size() * sizeof(std::uint32_t));
     occluders.push_back(std::move(occluder));
   }
   return occluders;

@@ -10,6 +10,7 @@ FilmLayer source_of(FilmLayer layer) {
       return FilmLayer::kPosition;
     case FilmLayer::kObjectId:
     case FilmLayer::kMaterialId:
+    case FilmLayer::kMotion:
       return FilmLayer::kPrimitiveId;
     case FilmLayer::kViewNormal:
       return FilmLayer::kNormal;
@@ -26,6 +27,10 @@ std::optional<std::size_t> LayerPlan::place_of(FilmLayer source) const {
   const auto found = std::find(sources.begin(), sources.end(), source);
   if (found == sources.end()) return std::nullopt;
   return std::size_t(found - sources.begin());
+}
+
+bool LayerPlan::wants(FilmLayer layer) const {
+  return shown == layer || std::find(layers.begin(), layers.end(), layer) != layers.end();
 }
 
 bool LayerPlan::any(FilmLayerKind kind) const {
@@ -46,6 +51,7 @@ LayerPlan plan_layers(const OutputSpec& output) {
   };
   for (const FilmLayer layer : plan.layers) draw(layer);
   if (plan.shown) draw(*plan.shown);
+  if (plan.wants(FilmLayer::kMotion)) draw(FilmLayer::kPosition);
   return plan;
 }
 

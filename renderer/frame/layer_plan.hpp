@@ -8,7 +8,8 @@
 
 namespace furnace {
 
-// The film layer whose drawing serves `layer` too: depths come from positions, several factors from one drawing of three.
+// The film layer whose drawing serves `layer` too: depths come from positions, several factors from one drawing of three. Motion
+// needs positions beside it.
 FilmLayer source_of(FilmLayer layer);
 
 struct LayerPlan {
@@ -18,6 +19,7 @@ struct LayerPlan {
 
   // Of one of `sources` its place among them.
   std::optional<std::size_t> place_of(FilmLayer source) const;
+  bool wants(FilmLayer layer) const;   // beside the picture or in its place
   bool any(FilmLayerKind kind) const;  // among `sources`
   bool any_matte() const;
   // Whether the picture itself must be shaded: it is kept, or its glow is.

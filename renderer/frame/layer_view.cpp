@@ -44,6 +44,10 @@ glm::vec3 seen(FilmLayer layer, const glm::vec3& v, const DepthRange& depth, con
     case FilmLayer::kMaterialId:
     case FilmLayer::kPrimitiveId:
       return color_of_number(v.x);
+    case FilmLayer::kMotion: {
+      constexpr float kRangePx = 64;
+      return glm::clamp(v / kRangePx + 0.5f, 0.f, 1.f);
+    }
     case FilmLayer::kNormal:
     case FilmLayer::kViewNormal:
       return v * 0.5f + 0.5f;

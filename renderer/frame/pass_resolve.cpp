@@ -1,4 +1,7 @@
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <vector>
 
 #include "renderer/frame/draw_binding.hpp"
 #include "renderer/scene/transform.hpp"
@@ -165,13 +168,34 @@ void resolve_glow(const PassContext& pass) {
 }  // namespace
 
 void pass_accumulate(const PassContext& pass, std::size_t subframe) {
-  gl::PassState state = tile_state(pass, pass.sum->framebuffer, Grid::kPixels);
-  state.blend = subframe == 0 ? gl::Blend::kOff : gl::Blend::kAdd;
+  const std::vector<float>& weights = pass.plan.weights;
+  float weight = pass.alone ? 1 : weights[subframe];
+  const bool is_lobe = weight < 0 && pass.lobes != nullptr;
+  const auto in_one_sum = [&](float other) { return pass.lobes == nullptr || (other < 0) == is_lobe; };
+  const auto before = weights.begin() + std::ptrdiff_t(subframe);
+  const bool is_first = pass.alone || std::none_of(weights.begin(), before, in_one_sum);
+  const ColorTarget& sum = is_lobe ? *pass.lobes : *pass.sum;
+  if (is_lobe) weight = -weight;
+  gl::PassState state = tile_state(pass, sum.framebuffer, Grid::kPixels);
+  state.blend = is_first ? gl::Blend::kOff : gl::Blend::kAdd;
   gl::begin_pass(pass.context, state);
   const GLuint program = screen_program(pass, "screen/accumulate.frag", true, false, 0);
-  glProgramUniform1f(program, 0, pass.plan.weights[subframe]);
+  glProgramUniform1f(program, 0, weight);
   glUseProgram(program);
   draw_screen(pass, pass.targets.shading.color);
+}
+
+void pass_limit_lobes(const PassContext& pass) {
+  glm::vec2 sums(0);
+  for (const float weight : pass.plan.weights) (weight < 0 ? sums.y : sums.x) += std::abs(weight);
+  gl::begin_pass(pass.context, tile_state(pass, pass.targets.shading.shade, Grid::kPixels));
+  const GLuint program =
+      pass.programs.request(pass.context, {"screen/fullscreen.vert", "screen/limit_lobes.frag", 0});
+  glProgramUniform3f(program, 0, sums.x, sums.y, float(1 / pass.plan.exposure));
+  glUseProgram(program);
+  bind_texels(pass.context, pass.residency, 1, pass.lobes->color);
+  draw_screen(pass, pass.sum->color);
+  pass_keep(pass);
 }
 
 void pass_keep(const PassContext& pass) {

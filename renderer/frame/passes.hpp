@@ -31,6 +31,9 @@ struct PassContext {
       nullptr;  // where sub-frames are added up; null: a lone one is resolved as it was shaded
   // Maps of light_sums.hpp; null where surfaces see all of the environment, whatever the scene hides.
   const gl::Texture* sky_sums = nullptr;
+  // Where those of negative weight are added up apart; null: in `sum`, as what they are.
+  const ColorTarget* lobes = nullptr;
+  bool alone = false;              // this sub-frame is all that comes into `sum`
   gl::PixelRect veil = {};         // the pixels that it may cover
   bool first_is_selected = false;  // nothing was shaded since pass_visibility()
 
@@ -60,6 +63,8 @@ void pass_veil(const PassContext& pass);
 void pass_shade(const PassContext& pass);
 // Composes the sub-frame with veil and background and adds it into `sum` by its weight; the first one replaces what was there.
 void pass_accumulate(const PassContext& pass, std::size_t subframe);
+// The two sums of the picture, of either sign, as one into `sum`, so that no pixel is blacker beside a sun than beside white.
+void pass_limit_lobes(const PassContext& pass);
 // What was shaded, as it is, into `sum`.
 void pass_keep(const PassContext& pass);
 // What bloom adds to the picture and takes from it, of all sub-frames, into a target.

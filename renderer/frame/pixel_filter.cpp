@@ -35,13 +35,20 @@ double mitchell(double x) {
 class HalfDistribution {
  public:
   explicit HalfDistribution(const PixelFilter& filter) : radius_px_(filter.radius_px) {
-    double sum = 0;
+    double sum = 0, negative = 0;
     for (int i = 0; i < kSteps; ++i) {
-      sum += std::abs(filter_value(filter, (i + 0.5) * radius_px_ / kSteps));
+      const double value = filter_value(filter, (i + 0.5) * radius_px_ / kSteps);
+      sum += std::abs(value);
+      negative += std::max(-value, 0.0);
       within_[std::size_t(i) + 1] = sum;
     }
     for (double& share : within_) share /= sum;
+    const double all = sum - 2 * negative, along = negative / all, across = (sum - negative) / all;
+    negative_ = 2 * along * across;
   }
+
+  // Of the filter along both axes, what is below zero; the rest is more than 1 by as much.
+  double negative() const { return negative_; }
 
   // The place below which the share `u` of [-0.5, 0.5) lies, px.
   double place(double u) const {
@@ -55,6 +62,7 @@ class HalfDistribution {
  private:
   static constexpr int kSteps = 1024;
   double radius_px_;
+  double negative_ = 0;
   double within_[kSteps + 1] = {};
 };
 
@@ -76,13 +84,15 @@ double filter_value(const PixelFilter& filter, double offset_px) {
   return 0;
 }
 
-// Ernst, Stamminger and Greiner 2006, "Filter Importance Sampling": with it every sub-frame counts alike.
+// Ernst, Stamminger and Greiner 2006, "Filter Importance Sampling": with it every sub-frame of one sign counts alike.
 std::vector<float> warp_by_filter(const PixelFilter& filter, std::vector<glm::vec2>& places) {
   std::vector<float> weights(places.size(), 1);
+  double negative = 0;
   if (filter.kind == PixelFilterKind::kBox) {
     for (glm::vec2& place : places) place *= float(2 * filter.radius_px);
   } else if (filter.radius_px > 0) {
     const HalfDistribution distribution(filter);
+    negative = distribution.negative();
     for (std::size_t i = 0; i < places.size(); ++i) {
       const double x = distribution.place(places[i].x), y = distribution.place(places[i].y);
       if (filter_value(filter, x) * filter_value(filter, y) < 0) weights[i] = -1;
@@ -91,13 +101,15 @@ std::vector<float> warp_by_filter(const PixelFilter& filter, std::vector<glm::ve
   } else {
     std::fill(places.begin(), places.end(), glm::vec2(0));
   }
-  double sum = 0;
-  for (const float weight : weights) sum += double(weight);
-  if (sum <= 0) {  // two sub-frames, one of them in a negative lobe
-    std::fill(weights.begin(), weights.end(), 1.f);
-    sum = double(weights.size());
+  // Those of either sign come to what the filter has of it, however few they are: one of eight in a lobe of a sixteenth would
+  // take twice what the filter does.
+  const auto lobes = double(std::count(weights.begin(), weights.end(), -1.f));
+  const double others = double(weights.size()) - lobes;
+  if (lobes == 0 || others == 0) {
+    std::fill(weights.begin(), weights.end(), float(1 / double(weights.size())));
+    return weights;
   }
-  for (float& weight : weights) weight /= float(sum);
+  for (float& weight : weights) weight = float(weight < 0 ? -negative / lobes : (1 + negative) / others);
   return weights;
 }
 

@@ -1,4 +1,5 @@
-// A pixel's filter, sampled: sub-frames lie where it is large, and only its sign is left to their weights.
+// A pixel's filter, sampled: sub-frames lie where it is large, and only its sign, and how much there is of either, is left to
+// their weights.
 #pragma once
 
 #include <vector>

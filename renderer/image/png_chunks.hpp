@@ -22,7 +22,7 @@ std::uint32_t png_checksum(std::span<const std::byte> bytes);
 std::size_t begin_chunk(std::string& out, std::string_view type);
 void end_chunk(std::string& out, std::size_t start);
 
-// Signature, IHDR, sRGB. kUint8 or kUint16.
+// Signature, IHDR, what says that it is sRGB. kUint8 or kUint16.
 void append_png_head(std::string& out, const Image& image);
 void append_png_text(std::string& out, const std::vector<TextField>& metadata);
 // The rows, filtered and compressed: content of IDAT or fdAT.

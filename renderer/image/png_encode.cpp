@@ -57,6 +57,22 @@ std::vector<std::uint8_t> filter_rows(const Image& image) {
   return filtered;
 }
 
+// Portable Network Graphics (third edition, 2025), 11.3.2.5: beside sRGB the numbers that stand for it, for readers that know
+// gAMA and cHRM only. A cICP would say the same again.
+void append_srgb(std::string& out) {
+  const std::size_t tag = begin_chunk(out, "sRGB");
+  out += '\0';  // perceptual intent
+  end_chunk(out, tag);
+  const std::size_t gamma = begin_chunk(out, "gAMA");
+  append_big_endian(out, 45455);
+  end_chunk(out, gamma);
+  const std::size_t chromaticities = begin_chunk(out, "cHRM");
+  // x and y of white, red, green, blue.
+  for (const std::uint32_t part : {31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000})
+    append_big_endian(out, part);
+  end_chunk(out, chromaticities);
+}
+
 void append_text(std::string& out, const TextField& field) {
   const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 0x80; };
   FURNACE_CHECK(!field.key.empty() && field.key.size() < 80, "a PNG keyword \"{}\"", field.key);
@@ -109,10 +125,7 @@ void append_png_head(std::string& out, const Image& image) {
   out += static_cast<char>(kColorType[static_cast<std::size_t>(image.channels - 1)]);
   out.append(3, '\0');
   end_chunk(out, header);
-  if (image.color_space != ColorSpace::kSrgb) return;
-  const std::size_t tag = begin_chunk(out, "sRGB");
-  out += '\0';  // perceptual intent
-  end_chunk(out, tag);
+  if (image.color_space == ColorSpace::kSrgb) append_srgb(out);
 }
 
 void append_png_text(std::string& out, const std::vector<TextField>& metadata) {

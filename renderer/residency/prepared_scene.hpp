@@ -87,8 +87,9 @@ struct PreparedGround {
   glm::dvec3 free_irradiance{0};  // of lights that cast no shadow, RGB
   // What else would light the plane without the scene, in world space. Null when the shadow was resident on the GPU a moment ago.
   std::shared_ptr<const std::vector<LightDirection>> light;
-  // With `light`: of every mesh of triangles, what casts its shadow where it is opaque (scene/occluder.hpp).
-  std::vector<std::vector<std::uint32_t>> occluders;
+  // With `light`: of every mesh what casts its shadow where it is opaque (scene/occluder.hpp); null of what is no
+  // triangles.
+  std::vector<std::shared_ptr<const std::vector<std::uint32_t>>> occluders;
 };
 
 struct PreparedScene {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <optional>
-#include <set>
 #include <span>
 #include <utility>
 
@@ -13,8 +13,8 @@
 #include "renderer/scene/gltf_deform.hpp"
 #include "renderer/scene/gltf_instances.hpp"
 #include "renderer/scene/gltf_material.hpp"
+#include "renderer/scene/gltf_model.hpp"
 #include "renderer/scene/gltf_pose.hpp"
-#include "renderer/scene/gltf_primitive.hpp"
 #include "renderer/scene/gltf_surface.hpp"
 #include "renderer/scene/mesh_needs.hpp"
 
@@ -22,44 +22,19 @@ namespace furnace {
 
 namespace {
 
-// What can be checked without the bytes of any buffer, for drawn and undrawn things alike.
-void check_document(const GltfDocument& document) {
-  for (int mesh = 0; mesh < static_cast<int>(document.meshes.size()); ++mesh) {
-    const auto primitives =
-        static_cast<int>(document.meshes[static_cast<std::size_t>(mesh)].primitives.size());
-    for (int primitive = 0; primitive < primitives; ++primitive) check_primitive(document, {mesh, primitive});
-  }
-  for (int skin = 0; skin < static_cast<int>(document.skins.size()); ++skin) check_skin(document, skin);
-  for (std::size_t i = 0; i < document.nodes.size(); ++i) {
-    const GltfNode& node = document.nodes[i];
-    if (!node.mesh || node.weights.empty()) continue;
-    const GltfMesh& mesh = document.meshes[static_cast<std::size_t>(*node.mesh)];
-    const std::size_t targets = mesh.primitives.empty() ? 0 : mesh.primitives.front().targets.size();
-    if (node.weights.size() == targets) continue;
-    fail(ErrorCode::kUnprocessable, "must have one number per morph target, " + std::to_string(targets),
-         "/nodes/" + std::to_string(i) + "/weights");
-  }
-}
-
-GltfDocument read_checked(const GltfJson& json, const ImportLimits& limits) {
-  GltfDocument document = read_gltf_document(json, limits);
-  check_document(document);
-  return document;
-}
-
 // Turns one scene of a document into a Scene.
 // Threads: one. Owns: the scene in the making.
 class Importer {
  public:
-  Importer(Decoder& decoder, const ModelBundle& bundle, const ImportLimits& limits, const Deadline& deadline)
-      : limits_(limits),
-        deadline_(deadline),
-        json_(parse_gltf(bundle.document, limits)),
-        document_(read_checked(json_, limits)),
-        data_(document_, bundle, limits, decoder, deadline),
-        materials_(document_, data_, bundle, scene_, notes_) {}
+  explicit Importer(GltfModel::State& model)
+      : model_(model),
+        limits_(model.limits),
+        deadline_(model.deadline),
+        document_(model.document),
+        data_(model.data),
+        materials_(document_, data_, model.bundle, scene_, notes_) {}
 
-  Scene import(const ModelBundle& bundle, const ImportOptions& options);
+  Scene import(const ImportOptions& options);
 
  private:
   std::vector<int> root_nodes(int wanted_scene) const;
@@ -76,19 +51,23 @@ class Importer {
   std::optional<Instance> shared_primitive(const GltfPrimitiveRef& ref);
   std::optional<Instance> import_primitive(const GltfPrimitiveRef& ref, const std::vector<double>& weights,
                                            const std::vector<glm::dmat4>* joints);
+  Instance add_shared(const SharedMesh& mesh, int scene_material, const GltfPrimitiveRef& ref);
+  int tangent_set_of(int scene_material) const;
+  // Of all else that a mesh is made from: attributes and textures are the document's.
+  ContentHash source_of(const GltfPrimitiveRef& ref, const std::vector<double>& weights,
+                        const std::vector<glm::dmat4>* joints, std::optional<int> material) const;
   void check_size(const GltfPrimitiveRef& ref) const;
   void count_mesh(const Mesh& mesh, const GltfPrimitiveRef& ref);
   void add_instance(Instance instance, int node_index, const glm::dmat4& world_from_model);
 
+  GltfModel::State& model_;
   const ImportLimits& limits_;
   const Deadline& deadline_;
   GltfNotes notes_;
   Scene scene_;
-  GltfJson json_;
   GltfDocument document_;
-  GltfData data_;
+  const GltfData& data_;
   GltfMaterials materials_;
-  ContentHash bundle_hash_;
   std::vector<bool> hidden_;  // by node
   std::vector<glm::dmat4> world_from_node_;
   std::map<int, std::vector<glm::dmat4>> skins_;                // joint matrices, by skin
@@ -97,11 +76,10 @@ class Importer {
   std::int64_t vertices_ = 0, mesh_bytes_ = 0, elements_drawn_ = 0, instances_ = 0;
 };
 
-Scene Importer::import(const ModelBundle& bundle, const ImportOptions& options) {
+Scene Importer::import(const ImportOptions& options) {
   note_ignored_extensions();
   choose_variant(options.variant);
   play(options.animations);
-  bundle_hash_ = bundle.hash;
   world_from_node_ = world_transforms(document_, notes_);
   const std::vector<int> nodes = nodes_in_order(root_nodes(options.scene));
   hide(nodes);
@@ -113,7 +91,7 @@ Scene Importer::import(const ModelBundle& bundle, const ImportOptions& options) 
   if (scene_.materials.empty()) scene_.materials.push_back(default_material());
   scene_.variants = document_.variants;
   HashBuilder hash;
-  hash.add(bundle.hash).add(std::int64_t{options.scene});
+  hash.add(model_.bundle.hash).add(std::int64_t{options.scene});
   if (variant_) hash.add("variant").add(std::int64_t{*variant_});
   for (const AnimationClip& clip : options.animations) {
     if (const int* index = std::get_if<int>(&clip.which)) {
@@ -142,11 +120,12 @@ void Importer::play(const std::vector<AnimationClip>& clips) {
   KeyframeReader keyframes(data_, limits_, deadline_);
   scene_.animations = list_animations(document_, keyframes, notes_);
   if (clips.empty()) return;
+  GltfJson posed = model_.json;
   for (const AnimationClip& clip : clips) {
     if (const auto animation = find_animation(document_, clip.which))
-      pose_document(json_.root, document_, keyframes, *animation, clip.time, notes_);
+      pose_document(posed.root, document_, keyframes, *animation, clip.time, notes_);
   }
-  document_ = read_checked(json_, limits_);
+  document_ = read_checked_gltf(posed, limits_);
 }
 
 // KHR_node_visibility: a node hides all below it, whatever they say themselves.
@@ -250,6 +229,7 @@ void Importer::add_mesh(int node_index) {
       instance_transforms(document_, data_, node_index, instances_, limits_.max_instances);
   if (!node.instances.empty()) instances_ += std::int64_t(places.size());
 
+  constexpr std::int64_t kPartsOfNode = std::int64_t{1} << 32;
   for (int i = 0; i < static_cast<int>(mesh.primitives.size()); ++i) {
     const GltfPrimitiveRef ref{*node.mesh, i};
     const bool skinned = node.skin && primitive_of(document_, ref).attributes.contains("JOINTS_0");
@@ -261,12 +241,16 @@ void Importer::add_mesh(int node_index) {
     const std::vector<double>& weights = node.weights.empty() ? mesh.weights : node.weights;
     std::optional<Instance> instance =
         own ? import_primitive(ref, weights, skinned ? joints : nullptr) : shared_primitive(ref);
-    // glTF 2.0, section 3.7.3.3: only the joints place a skinned mesh.
     if (!instance) continue;
+    instance->place = node_index * kPartsOfNode + i * static_cast<std::int64_t>(places.size());
+    // glTF 2.0, section 3.7.3.3: only the joints place a skinned mesh.
     if (skinned) {
       add_instance(std::move(*instance), node_index, glm::dmat4(1));
     } else {
-      for (const glm::dmat4& place : places) add_instance(*instance, node_index, world_from_model * place);
+      for (const glm::dmat4& place : places) {
+        add_instance(*instance, node_index, world_from_model * place);
+        ++instance->place;
+      }
     }
   }
 }
@@ -291,9 +275,16 @@ std::optional<Instance> Importer::import_primitive(const GltfPrimitiveRef& ref,
                                                    const std::vector<glm::dmat4>* joints) {
   check_deadline(deadline_, "import");
   if (!is_drawable(document_, ref, notes_)) return std::nullopt;
+  const std::optional<int> material = material_of(primitive_of(document_, ref));
+  const ContentHash source = source_of(ref, weights, joints, material);
+  if (const auto known = model_.meshes.find(source); known != model_.meshes.end()) {
+    const int scene_material = materials_.scene_material(material);
+    const auto same = known->second.find(tangent_set_of(scene_material));
+    if (same != known->second.end()) return add_shared(same->second, scene_material, ref);
+  }
   check_size(ref);
 
-  GltfVertices vertices = read_primitive_vertices(document_, data_, ref, joints != nullptr, notes_);
+  GltfVertices vertices = model_.vertices_of(ref, joints != nullptr, notes_);
   if (vertices.mesh.indices.empty()) {
     notes_.add("primitive-skipped", ref.pointer(), "has only degenerate lines or triangles and was left out");
     return std::nullopt;
@@ -301,23 +292,38 @@ std::optional<Instance> Importer::import_primitive(const GltfPrimitiveRef& ref,
   apply_morph_targets(document_, data_, ref, weights, vertices.mesh);
   if (joints) apply_skin(vertices, *joints, ref.pointer() + "/attributes", notes_);
 
+  const int scene_material = materials_.scene_material(material);
+  complete_surface(vertices.mesh, scene_.materials[static_cast<std::size_t>(scene_material)], ref.pointer(),
+                   notes_);
+  const int tangent_set = tangent_set_of(scene_material);
+  vertices.mesh.key = HashBuilder().add(source).add(std::int64_t{tangent_set}).finish();
+  const auto mesh = std::make_shared<const Mesh>(std::move(vertices.mesh));
+  model_.meshes[source].emplace(tangent_set, mesh);
+  return add_shared(mesh, scene_material, ref);
+}
+
+Instance Importer::add_shared(const SharedMesh& mesh, int scene_material, const GltfPrimitiveRef& ref) {
+  count_mesh(*mesh, ref);
+  Instance instance;
+  instance.mesh = static_cast<int>(scene_.meshes.size());
+  instance.material = scene_material;
+  scene_.meshes.push_back(mesh);
+  return instance;
+}
+
+// What the material asks for beside its textures; -1: no tangents.
+int Importer::tangent_set_of(int scene_material) const {
+  return tangent_uv_set(scene_.materials[std::size_t(scene_material)]).value_or(-1);
+}
+
+ContentHash Importer::source_of(const GltfPrimitiveRef& ref, const std::vector<double>& weights,
+                                const std::vector<glm::dmat4>* joints, std::optional<int> material) const {
   HashBuilder key;
-  key.add("gltf-mesh").add(bundle_hash_).add(std::int64_t{ref.mesh}).add(std::int64_t{ref.primitive});
+  key.add("gltf-mesh").add(model_.bundle.hash);
+  key.add(std::int64_t{ref.mesh}).add(std::int64_t{ref.primitive}).add(std::int64_t{material.value_or(-1)});
   for (const double weight : weights) key.add(weight);
   if (joints) key.add(std::as_bytes(std::span(*joints)));
-
-  Instance instance;
-  instance.material = materials_.scene_material(material_of(primitive_of(document_, ref)));
-  complete_surface(vertices.mesh, scene_.materials[static_cast<std::size_t>(instance.material)],
-                   ref.pointer(), notes_);
-  // What the material made of it.
-  key.add(std::int64_t{tangent_uv_set(scene_.materials[std::size_t(instance.material)]).value_or(-1)});
-  for (const auto& uvs : vertices.mesh.uvs) key.add(std::int64_t(uvs.size()));
-  vertices.mesh.key = key.finish();
-  count_mesh(vertices.mesh, ref);
-  instance.mesh = static_cast<int>(scene_.meshes.size());
-  scene_.meshes.push_back(std::move(vertices.mesh));
-  return instance;
+  return key.finish();
 }
 
 // Before a primitive is read: it alone must not exceed what all may take.
@@ -353,7 +359,7 @@ void Importer::count_mesh(const Mesh& mesh, const GltfPrimitiveRef& ref) {
 
 void Importer::add_instance(Instance instance, int node_index, const glm::dmat4& world_from_model) {
   const std::string pointer = "/nodes/" + std::to_string(node_index);
-  const Mesh& mesh = scene_.meshes[static_cast<std::size_t>(instance.mesh)];
+  const Mesh& mesh = *scene_.meshes[static_cast<std::size_t>(instance.mesh)];
   const std::size_t corners = mesh.topology == Topology::kPoints  ? 1
                               : mesh.topology == Topology::kLines ? 2
                                                                   : 3;
@@ -376,43 +382,15 @@ void Importer::add_instance(Instance instance, int node_index, const glm::dmat4&
   scene_.instances.push_back(std::move(instance));
 }
 
-// Appends the decoded URI of one buffer or image, unless it is a data: one or known.
-void add_external_uri(const std::string& uri, const std::string& pointer, std::set<std::string>& seen,
-                      std::vector<std::string>& uris) {
-  if (is_data_uri(uri)) return;
-  std::string path = decode_relative_uri(uri, pointer);
-  if (seen.insert(path).second) uris.push_back(std::move(path));
-}
-
 }  // namespace
-
-void ModelBundle::seal() {
-  HashBuilder builder;
-  builder.add(document.hash());
-  if (format != ModelFormat::kGltf) builder.add(std::int64_t(format));
-  for (const auto& [uri, blob] : siblings) builder.add(uri).add(blob.hash());
-  hash = builder.finish();
-}
-
-std::vector<std::string> gltf_external_uris(const Blob& bytes, const ImportLimits& limits) {
-  const GltfDocument document = read_gltf_document(bytes, limits);
-  std::set<std::string> seen;
-  std::vector<std::string> uris;
-  for (std::size_t i = 0; i < document.buffers.size(); ++i) {
-    const GltfBuffer& buffer = document.buffers[i];
-    if (buffer.has_uri && !buffer.is_fallback)
-      add_external_uri(buffer.uri, "/buffers/" + std::to_string(i) + "/uri", seen, uris);
-  }
-  for (std::size_t i = 0; i < document.images.size(); ++i) {
-    const GltfImage& image = document.images[i];
-    if (!image.buffer_view) add_external_uri(image.uri, "/images/" + std::to_string(i) + "/uri", seen, uris);
-  }
-  return uris;
-}
 
 Scene import_gltf(Decoder& decoder, const ModelBundle& bundle, const ImportOptions& options,
                   const ImportLimits& limits, const Deadline& deadline) {
-  return Importer(decoder, bundle, limits, deadline).import(bundle, options);
+  return GltfModel(decoder, bundle, limits, deadline, GltfModel::Times::kOne).import(options);
+}
+
+Scene GltfModel::import(const ImportOptions& options) {
+  return Importer(*state_).import(options);
 }
 
 }  // namespace furnace

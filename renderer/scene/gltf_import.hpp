@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -73,6 +74,27 @@ std::vector<std::string> gltf_external_uris(const Blob& document, const ImportLi
 // A missing or unreadable image becomes a Note and the slot stays empty; a missing buffer is an error.
 Scene import_gltf(Decoder& decoder, const ModelBundle& bundle, const ImportOptions& options,
                   const ImportLimits& limits, const Deadline& deadline);
+
+// A document that is imported at several times: it is parsed and decompressed once, and what does not deform from one time
+// to another is one mesh in all of them.
+// Threads: one. Owns: the parsed document and a share of every mesh; all that it was made from outlives it.
+class GltfModel {
+ public:
+  enum class Times { kOne, kSeveral };  // kSeveral keeps vertices before they are deformed
+
+  // Errors: as import_gltf.
+  GltfModel(Decoder& decoder, const ModelBundle& bundle, const ImportLimits& limits, const Deadline& deadline,
+            Times times);
+  ~GltfModel();
+
+  // As import_gltf; only the first scene has the notes on its meshes.
+  Scene import(const ImportOptions& options);
+
+  struct State;
+
+ private:
+  std::unique_ptr<State> state_;
+};
 
 std::vector<std::string_view> supported_gltf_extensions();
 

@@ -12,6 +12,12 @@ std::optional<int> tangent_uv_set(const Material& material) {
   return slot ? slot->uv_set : 0;
 }
 
+bool is_complete(const Mesh& mesh, const Material& material) {
+  for (const auto& slot : material.textures)
+    if (slot && mesh.uvs[std::size_t(slot->uv_set)].empty()) return false;
+  return !tangent_uv_set(material) || !mesh.tangents.empty() || mesh.topology != Topology::kTriangles;
+}
+
 std::vector<int> fill_uv_sets(Mesh& mesh, const Material& material) {
   std::vector<int> filled;
   const auto need = [&](int uv_set) {

@@ -12,6 +12,9 @@ namespace furnace {
 // The UV set whose tangent frames the material is shaded in; none: it needs no tangents.
 std::optional<int> tangent_uv_set(const Material& material);
 
+// Whether a mesh has all that the material asks for, so that neither of the two below would change it.
+bool is_complete(const Mesh& mesh, const Material& material);
+
 // Gives a mesh, as zeros, the UV sets that the material needs and the mesh lacks. Returns these sets.
 std::vector<int> fill_uv_sets(Mesh& mesh, const Material& material);
 

@@ -132,11 +132,12 @@ Scene import_model(const ModelBundle& bundle, std::optional<UpAxis> up, const Im
       notes.add("uv-set-missing", fmt::format("/parts/{}", i), "has no texture coordinates; (0, 0) was used");
     make_tangents(mesh, material);
     instance.mesh = int(scene.meshes.size());
+    instance.place = std::int64_t(i);
     instance.world_from_model = world_from_file(axis);
     instance.node_name = mesh.name.empty() ? fmt::format("/parts/{}", i) : mesh.name;
     mesh.key =
         HashBuilder().add("model-mesh").add(scene.hash).add(std::int64_t(scene.meshes.size())).finish();
-    scene.meshes.push_back(std::move(mesh));
+    scene.meshes.push_back(std::make_shared<const Mesh>(std::move(mesh)));
     scene.instances.push_back(std::move(instance));
   }
   scene.notes = notes.take();

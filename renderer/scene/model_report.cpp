@@ -126,7 +126,7 @@ void report_drawn(const Scene& scene, ModelReport& report) {
   drawn.materials = std::int64_t(scene.materials.size());
   drawn.images = std::int64_t(scene.images.size());
   for (const Instance& instance : scene.instances) {
-    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
+    const Mesh& mesh = *scene.meshes[static_cast<std::size_t>(instance.mesh)];
     const auto indices = std::int64_t(mesh.indices.size());
     drawn.vertices += std::int64_t(mesh.positions.size());
     if (mesh.topology == Topology::kPoints) drawn.points += indices;
@@ -134,7 +134,7 @@ void report_drawn(const Scene& scene, ModelReport& report) {
     if (mesh.topology == Topology::kTriangles) drawn.triangles += indices / 3;
   }
   drawn.bounds = world_bounds(scene);
-  for (const Mesh& mesh : scene.meshes) report.bytes.meshes += std::int64_t(mesh.byte_size());
+  for (const SharedMesh& mesh : scene.meshes) report.bytes.meshes += std::int64_t(mesh->byte_size());
 }
 
 ModelReport inspect_gltf(Decoder& decoder, const ModelBundle& bundle, const ImportOptions& options,

@@ -121,7 +121,7 @@ ModelReport inspect_plain(Decoder& decoder, const ModelBundle& bundle, const Imp
   report_images(scene, budget, notes, report);
   report.meshes = budget.list<ModelReport::MeshInfo>(scene.instances.size(), [&](std::size_t i) {
     const Instance& instance = scene.instances[i];
-    return mesh_info(scene.meshes[std::size_t(instance.mesh)], instance, budget);
+    return mesh_info(*scene.meshes[std::size_t(instance.mesh)], instance, budget);
   });
   std::vector<std::string> missing = model_siblings(bundle.document, bundle.format, limits);
   std::erase_if(missing, [&](const std::string& name) { return bundle.siblings.contains(name); });

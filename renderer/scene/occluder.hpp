@@ -12,9 +12,10 @@ struct OccluderLimits {
   double error = 0;       // of the surface against the original, over the mesh's extent
   std::size_t share = 1;  // of the triangles one of so many is enough
 };
-// The ground is away from most of what it is shadowed by; a surface lies next to what shadows it: less than a texel of a map
-// with 512 of them.
-inline constexpr OccluderLimits kGroundOccluder{1.0 / 400, 40}, kSurfaceOccluder{1.0 / 700, 40};
+// The ground is away from most of what it is shadowed by. A surface lies next to what shadows it, and what bridges a hollow makes
+// it black: well within a texel of a map with 512 of them, by half of which to all of it a surface is lifted off its own shadow
+// (shaders/surface/environment_visibility.glsl). The error is a mean; at worst it is twice as large.
+inline constexpr OccluderLimits kGroundOccluder{1.0 / 400, 40}, kSurfaceOccluder{1.0 / 1400, 40};
 
 // Triangles over the mesh's own vertices whose surface stays near the original; all of them for a mesh that is small already.
 // Vertex attributes are of no account. `mesh`: kTriangles. Pure. Threads: any.

@@ -242,9 +242,14 @@ class CanonicalHash {
             blade_rotation_rad);
   }
 
+  void add(const CameraMotion& value) {
+    const auto& [shutter_s, frame_s, turn_rad_per_s, turn_about_m] = value;
+    add_all(shutter_s, frame_s, turn_rad_per_s, turn_about_m);
+  }
+
   void add(const CameraSpec& value) {
-    const auto& [view, metering, exposure_ev, depth_of_field] = value;
-    add_all(view, metering, exposure_ev, depth_of_field);
+    const auto& [view, metering, exposure_ev, depth_of_field, motion] = value;
+    add_all(view, metering, exposure_ev, depth_of_field, motion);
   }
 
   void add(const ColorGrade& value) {

@@ -196,11 +196,23 @@ struct DepthOfField {
   double blade_rotation_rad = 0;  // counter-clockwise as seen by the camera; 0: a corner points up
 };
 
+// How long what moves is seen. Clips move by their own time, of which the shutter's middle is what they state.
+struct CameraMotion {
+  double shutter_s = 0;        // of the clips' time, >= 0; 0: an instant
+  double frame_s = 0;          // from one frame of a sequence to the next; 0: a single picture
+  double turn_rad_per_s = 0;   // of the camera about a vertical axis, towards larger azimuths
+  glm::dvec3 turn_about_m{0};  // on that axis
+
+  // What motion vectors look back.
+  double interval_s() const { return shutter_s > 0 ? shutter_s : frame_s; }
+};
+
 struct CameraSpec {
   std::variant<OrbitCamera, LookAtCamera, GltfCamera, IntrinsicsCamera> view = OrbitCamera{};
   std::variant<UnmeteredExposure, PhysicalExposure, AutoExposure> metering;
   double exposure_ev = 0;  // stops, more than what is metered
   std::optional<DepthOfField> depth_of_field = {};
+  CameraMotion motion = {};
 };
 
 enum class OutputFormat { kPng, kExr, kJpeg, kWebp };

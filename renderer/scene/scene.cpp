@@ -30,7 +30,7 @@ std::size_t Mesh::byte_size() const {
 std::size_t Scene::byte_size() const {
   std::size_t size = sizeof(Scene) + bytes_of(materials) + bytes_of(instances) + bytes_of(cameras) +
                      bytes_of(lights) + bytes_of(variants) + bytes_of(notes);
-  for (const Mesh& mesh : meshes) size += mesh.byte_size();
+  for (const SharedMesh& mesh : meshes) size += mesh->byte_size();
   for (const SceneImage& image : images)
     size += sizeof(SceneImage) + image.pointer.capacity() + image.encoded.size();
   return size;
@@ -39,7 +39,7 @@ std::size_t Scene::byte_size() const {
 Bounds world_bounds(const Scene& scene) {
   Bounds bounds;
   for (const Instance& instance : scene.instances) {
-    const Mesh& mesh = scene.meshes[instance.mesh];
+    const Mesh& mesh = *scene.meshes[instance.mesh];
     if (mesh.indices.empty()) continue;
     const glm::dmat4 world_from_model(instance.world_from_model);
     for (const glm::vec3& position : mesh.positions)

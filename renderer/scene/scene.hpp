@@ -46,6 +46,9 @@ struct Mesh {
   std::size_t byte_size() const;
 };
 
+// Shared by the scenes that have it: compositions of one model, moments of one clip.
+using SharedMesh = std::shared_ptr<const Mesh>;
+
 struct SceneImage {
   Blob encoded;  // what decode_texture reads
   // Place in the model's own document, e.g. "/images/3", or in the request, "/scene/materials/gold/textures/normal".
@@ -57,6 +60,8 @@ struct Instance {
   int material = 0;  // index into Scene::materials
   glm::mat4 world_from_model{1};
   std::string node_name;  // never empty: of a node without one its JSON pointer
+  // Tells it from the others of its scene; the same at every time of an animation.
+  std::int64_t place = 0;
 };
 
 struct CameraNode {
@@ -86,8 +91,8 @@ struct Note {
 
 // Threads: immutable once built. Owns: all it names.
 struct Scene {
-  ContentHash hash;  // of everything the scene was built from
-  std::vector<Mesh> meshes;
+  ContentHash hash;                 // of everything the scene was built from
+  std::vector<SharedMesh> meshes;   // none of them null
   std::vector<Material> materials;  // never empty
   std::vector<SceneImage> images;
   std::vector<Instance> instances;

@@ -17,7 +17,7 @@ void for_each_vertex(const Scene& scene, const glm::dmat3& axes, Visit&& visit) 
   const glm::dmat3 axes_from_world = glm::transpose(axes);
   bool empty = true;
   for (const Instance& instance : scene.instances) {
-    const Mesh& mesh = scene.meshes[std::size_t(instance.mesh)];
+    const Mesh& mesh = *scene.meshes[std::size_t(instance.mesh)];
     if (mesh.indices.empty()) continue;
     const glm::dmat4 world_from_model(instance.world_from_model);
     const glm::dmat3 linear = axes_from_world * glm::dmat3(world_from_model);

@@ -6,6 +6,7 @@
 
 #include "renderer/scene/framing.hpp"
 #include "renderer/scene/scene_vertices.hpp"
+#include "renderer/scene/shutter.hpp"
 #include "renderer/scene/tight_framing.hpp"
 
 namespace furnace {
@@ -98,6 +99,7 @@ void hold_orbit(const RenderSpec& spec, std::span<const FrameOutline> outlines,
     camera.fov_y_rad = orbit.fov_y_rad;
     if (orbit.orthographic) camera.height_m = 2 * stand.half_height_m;
     frames[i].camera.view = camera;
+    frames[i].camera.motion.turn_about_m = pivot;
   }
 }
 
@@ -161,12 +163,16 @@ std::vector<RenderSpec> frames_of(const RenderSpec& spec, int count) {
   for (int i = 0; i < count; ++i) {
     RenderSpec& frame = frames[std::size_t(i)];
     frame.output.sequence.reset();
-    for (AnimationClip& clip : frame.scene.animations) clip.time.seconds += i / sequence.frames_per_second;
+    frame.scene = scene_at(spec.scene, i / sequence.frames_per_second);
     const double angle_rad = sequence.turntable_rad * i / count;
+    CameraMotion& motion = frame.camera.motion;
+    motion.frame_s = 1 / sequence.frames_per_second;
+    motion.turn_rad_per_s = sequence.turntable_rad / count * sequence.frames_per_second;
     if (auto* orbit = std::get_if<OrbitCamera>(&frame.camera.view)) orbit->azimuth_rad += angle_rad;
     if (auto* camera = std::get_if<LookAtCamera>(&frame.camera.view)) {
       camera->eye = camera->target + turned_about_y(camera->eye - camera->target, angle_rad);
       camera->up = turned_about_y(camera->up, angle_rad);
+      motion.turn_about_m = camera->target;
     }
   }
   return frames;

@@ -285,6 +285,8 @@ void add_options(CLI::App& command, Arguments& to) {
   command.add_option("--f-stop", options.f_stop, "of a lens that blurs what is out of focus; needs samples");
   command.add_option("--focus-distance", options.focus_distance_m,
                      "m; else the middle of the scene is sharp");
+  command.add_option("--motion-blur", options.motion_blur_seconds,
+                     "s of the animation that the shutter is open; needs samples");
   command.add_option("--bloom", options.bloom_intensity, "share of what is bright that spreads round it");
   command.add_option("--pixel-filter", options.pixel_filter, "box, gaussian, blackman-harris or mitchell");
   command.add_option("--tone-map", options.tone_map, "pbr-neutral, aces, agx, reinhard, linear or none");

@@ -126,7 +126,7 @@ bool meters(const RenderOptions& options) {
 }  // namespace
 
 std::string request_document(const RenderOptions& options, const std::string& model) {
-  Members scene, environment, orbit, camera, depth_of_field, output, bloom, sequence, request;
+  Members scene, environment, orbit, camera, depth_of_field, motion_blur, output, bloom, sequence, request;
   if (!model.empty()) {
     scene.add("model", std::optional(model));
     scene.add("variant", options.variant);
@@ -155,6 +155,8 @@ std::string request_document(const RenderOptions& options, const std::string& mo
   depth_of_field.add("fStop", options.f_stop);
   depth_of_field.add("focusDistanceMetres", options.focus_distance_m);
   camera.add_object("depthOfField", depth_of_field);
+  motion_blur.add("shutterSeconds", options.motion_blur_seconds);
+  camera.add_object("motionBlur", motion_blur);
   output.add("width", options.width);
   output.add("height", options.height);
   output.add("format", options.format);
@@ -209,6 +211,7 @@ void apply_options(const RenderOptions& options, const RenderSpec& said, RenderS
   if (options.exposure_ev) spec.camera.exposure_ev = said.camera.exposure_ev;
   if (meters(options)) spec.camera.metering = said.camera.metering;
   if (options.f_stop || options.focus_distance_m) spec.camera.depth_of_field = said.camera.depth_of_field;
+  if (options.motion_blur_seconds) spec.camera.motion = said.camera.motion;
   if (options.bloom_intensity) spec.output.bloom = said.output.bloom;
   if (options.pixel_filter) spec.output.pixel_filter = said.output.pixel_filter;
   const ColorGrade& grade = said.output.grade;

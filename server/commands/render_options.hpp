@@ -17,7 +17,7 @@ struct RenderOptions {
   std::optional<double> ev100, aperture, shutter_seconds, iso;
   bool auto_exposure = false;
   std::optional<double> white_balance_kelvin, white_balance_tint, contrast, saturation;
-  std::optional<double> f_stop, focus_distance_m, bloom_intensity;
+  std::optional<double> f_stop, focus_distance_m, motion_blur_seconds, bloom_intensity;
   std::optional<std::string> pixel_filter;
   std::vector<std::string> layers;
   std::optional<std::string> show;

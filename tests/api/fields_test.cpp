@@ -118,7 +118,7 @@ TEST(Fields, OnlyOptionalThingsHaveNoDefault) {
         leaf.path == "/output/pixelFilter/radiusPixels" ||
         leaf.path == "/camera/depthOfField/apertureDiameterMetres" ||
         leaf.path == "/camera/depthOfField/focusDistanceMetres" ||
-        leaf.path == "/camera/depthOfField/focusPoint";
+        leaf.path == "/camera/depthOfField/focusPoint" || leaf.path == "/camera/motionBlur/shutterSeconds";
     EXPECT_NE(stated, needs_none) << leaf.path;
   }
 }

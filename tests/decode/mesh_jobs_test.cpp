@@ -179,8 +179,8 @@ TEST(MeshDecoders, AgreeOnModelsOfOthers) {
     bundle.seal();
     const auto places = expect_same([&](Decoder& decoder) {
       std::vector<glm::vec3> all;
-      for (const Mesh& mesh : import_gltf(decoder, bundle, {}, {}, Deadline()).meshes) {
-        for (const std::uint32_t index : mesh.indices) all.push_back(mesh.positions.at(index));
+      for (const SharedMesh& mesh : import_gltf(decoder, bundle, {}, {}, Deadline()).meshes) {
+        for (const std::uint32_t index : mesh->indices) all.push_back(mesh->positions.at(index));
       }
       return all;
     });

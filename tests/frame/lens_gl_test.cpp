@@ -75,6 +75,38 @@ TEST_F(LensGlTest, AnEvenPictureStaysEvenUnderNegativeLobes) {
   }
 }
 
+// Beside what is a thousand times as bright as white no pixel is darker than beside white, and none is black; what white does
+// to its neighbours stays (AnEdgeHasTheFiltersProfile).
+TEST_F(LensGlTest, NegativeLobesLeaveNoBlackBesideSuns) {
+  constexpr float kDark = 0.02f;
+  RenderSpec spec = half_plane(14.9);
+  spec.environment.background = ColorBackground{glm::vec3(kDark)};
+  spec.output.pixel_filter = {PixelFilterKind::kMitchell, 2};
+  spec.output.samples = 256;
+  const auto beside = [&](float radiance, double exposure_ev) {
+    spec.scene.materials["m"].base_color = glm::vec4(glm::vec3(0), 1);
+    spec.scene.materials["m"].emissive = glm::vec3(radiance);
+    spec.scene.materials["m"].unlit = false;
+    spec.camera.exposure_ev = exposure_ev;
+    return render(spec);
+  };
+  const Film white = beside(1, 0), sun = beside(1000, 0);
+  int undershot = 0;
+  for (int x = 0; x < 14; ++x) {
+    const float at_white = pixel(white, x, 16).g, at_sun = pixel(sun, x, 16).g;
+    EXPECT_GE(at_sun, at_white - 1e-6f) << x;
+    EXPECT_GT(at_sun, 0.9f * kDark) << x;
+    undershot += at_white < 0.9f * kDark;
+  }
+  EXPECT_GE(undershot, 1);
+  // The bright side itself is as it was, whatever is white.
+  for (int x = 18; x < 32; ++x) EXPECT_NEAR(pixel(sun, x, 16).g / 1000, pixel(white, x, 16).g, 2e-2) << x;
+  for (int x = 20; x < 32; ++x) EXPECT_NEAR(pixel(beside(1000, 0), x, 16).g, 1000, 1e-2);
+  // White is what is exposed to it: ten stops down the sun is white.
+  const Film dim = beside(1000, -10);
+  EXPECT_LT(pixel(dim, 13, 16).g, 0.9f * kDark);
+}
+
 TEST_F(LensGlTest, ASingleSubFrameKnowsNoFilter) {
   RenderSpec spec = half_plane(15.3);
   const Film box = render(spec);

@@ -73,6 +73,29 @@ TEST(PixelFilter, PlacesAndWeightsAreTheFilter) {
   }
 }
 
+// However few sub-frames fall into negative lobes, together they take what the filter does.
+TEST(PixelFilter, LobesHaveTheirOwnShare) {
+  const PixelFilter filter{PixelFilterKind::kMitchell, 2};
+  double positive = 0, negative = 0;  // along one axis
+  constexpr int kSteps = 100'000;
+  for (int i = 0; i < kSteps; ++i) {
+    const double value = filter_value(filter, 4 * (i + 0.5) / kSteps - 2) * 4 / kSteps;
+    (value < 0 ? negative : positive) += std::abs(value);
+  }
+  ASSERT_NEAR(positive - negative, 1, 1e-6);
+  const double expected = 2 * positive * negative;
+  int with_lobes = 0;
+  for (const int count : {2, 4, 8, 16, 64, 1024}) {
+    std::vector<glm::vec2> warped = places(count);
+    double lobes = 0;
+    for (const float weight : warp_by_filter(filter, warped)) lobes -= std::min(double(weight), 0.0);
+    if (lobes == 0) continue;  // none fell into one
+    EXPECT_NEAR(lobes, expected, 1e-4) << count;
+    ++with_lobes;
+  }
+  EXPECT_GE(with_lobes, 4);
+}
+
 // Mitchell and Netravali 1988: the cubic is 8/9 in the middle, 1/18 a quarter of its support away, negative beyond.
 TEST(PixelFilter, MitchellsCubic) {
   const PixelFilter filter{PixelFilterKind::kMitchell, 2};

@@ -48,7 +48,7 @@ class SurfaceLightGlTest : public LitFloorGlTest {
     floor.positions = {{-4, 0, -4}, {4, 0, -4}, {4, 0, 4}, {-4, 0, 4}};
     floor.indices = {0, 1, 2, 0, 2, 3};
     for (const glm::vec3& corner : floor.positions) floor.bounds.add(corner);
-    scene.meshes = {floor};
+    scene.meshes = {std::make_shared<const Mesh>(std::move(floor))};
     scene.instances = {Instance{}};
     return scene;
   }

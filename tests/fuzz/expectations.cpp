@@ -46,12 +46,12 @@ ImportLimits small_import_limits() {
 
 void expect_whole(const Scene& scene) {
   FURNACE_CHECK(!scene.materials.empty(), "a scene without materials");
-  for (const Mesh& mesh : scene.meshes) expect_whole(mesh);
+  for (const SharedMesh& mesh : scene.meshes) expect_whole(*mesh);
   for (const Instance& instance : scene.instances) {
     FURNACE_CHECK(std::size_t(instance.mesh) < scene.meshes.size(), "mesh {}", instance.mesh);
     FURNACE_CHECK(std::size_t(instance.material) < scene.materials.size(), "material {}", instance.material);
     FURNACE_CHECK(!instance.node_name.empty(), "an instance of mesh {} has no name", instance.mesh);
-    const Mesh& mesh = scene.meshes[std::size_t(instance.mesh)];
+    const Mesh& mesh = *scene.meshes[std::size_t(instance.mesh)];
     const Material& material = scene.materials[std::size_t(instance.material)];
     if (mesh.topology == Topology::kTriangles && material.texture(TextureUse::kNormal))
       FURNACE_CHECK(!mesh.tangents.empty(), "a normal map without tangents on mesh {}", instance.mesh);

@@ -32,6 +32,7 @@ RenderOptions everything() {
   options.iso = 400;
   options.f_stop = 1.4;
   options.focus_distance_m = 2.5;
+  options.motion_blur_seconds = 0.02;
   options.bloom_intensity = 0.5;
   options.pixel_filter = "gaussian";
   options.white_balance_kelvin = 3200;
@@ -116,6 +117,7 @@ TEST(RenderOptions, EveryOptionIsUnderstoodByTheApi) {
   ASSERT_TRUE(spec.camera.depth_of_field);
   EXPECT_EQ(spec.camera.depth_of_field->f_stop, 1.4);
   EXPECT_EQ(spec.camera.depth_of_field->focus_distance_m, 2.5);
+  EXPECT_EQ(spec.camera.motion.shutter_s, 0.02);
   ASSERT_TRUE(spec.output.bloom);
   EXPECT_EQ(spec.output.bloom->intensity, 0.5);
   EXPECT_EQ(spec.output.pixel_filter.kind, PixelFilterKind::kGaussian);

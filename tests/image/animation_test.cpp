@@ -126,8 +126,8 @@ TEST(Animation, PngHasEveryFrameInOrder) {
         EXPECT_EQ(file.substr(chunk.content + skip, chunk.size - skip), rows_of_still(still));
       }
     }
-    EXPECT_THAT(types, ElementsAre("IHDR", "sRGB", "tEXt", "acTL", "fcTL", "IDAT", "fcTL", "fdAT", "fcTL",
-                                   "fdAT", "IEND"));
+    EXPECT_THAT(types, ElementsAre("IHDR", "sRGB", "gAMA", "cHRM", "tEXt", "acTL", "fcTL", "IDAT", "fcTL",
+                                   "fdAT", "fcTL", "fdAT", "IEND"));
     // Readers that know no animation see the first frame; ours checks every checksum.
     const Image first =
         decode_texture(std::as_bytes(std::span(file)), ColorSpace::kSrgb, DecodeLimits{}).levels.front();

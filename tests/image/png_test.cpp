@@ -256,6 +256,26 @@ TEST(PngEncode, IsReadByLibpng) {
   }
 }
 
+// For readers that do not know the sRGB chunk. libpng, whose warnings count here, compares the two.
+TEST(PngEncode, SaysWhatSrgbIsInNumbers) {
+  const std::string file = encode_png(gradient(4, 4, 3), {});
+  const auto numbers_of = [&](std::string_view chunk) {
+    std::vector<std::uint32_t> numbers;
+    const std::size_t at = file.find(chunk);
+    if (at > file.find("IDAT")) return numbers;
+    const auto byte = [&](std::size_t i) { return std::uint32_t(static_cast<unsigned char>(file[i])); };
+    const auto number = [&](std::size_t i) {
+      return byte(i) << 24 | byte(i + 1) << 16 | byte(i + 2) << 8 | byte(i + 3);
+    };
+    for (std::uint32_t i = 0; i < number(at - 4); i += 4) numbers.push_back(number(at + 4 + i));
+    return numbers;
+  };
+  EXPECT_EQ(numbers_of("gAMA"), std::vector<std::uint32_t>{45455});  // 1 / 2.2
+  EXPECT_EQ(numbers_of("cHRM"),
+            (std::vector<std::uint32_t>{31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000}));
+  EXPECT_EQ(judge(file).srgb_intent, PNG_sRGB_INTENT_PERCEPTUAL);
+}
+
 TEST(PngEncode, SixteenBitsAreReadByLibpng) {
   for (const int channels : {3, 4}) {
     Image image = make_image({33, 21}, channels, SampleType::kUint16, ColorSpace::kSrgb);

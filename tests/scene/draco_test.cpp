@@ -120,7 +120,7 @@ Json& draco_of(GltfBuilder& builder) {
 TEST(DracoDocument, GivesThePrimitiveItsVertices) {
   const Scene scene = grid_document().import();
   ASSERT_EQ(scene.meshes.size(), 1u);
-  EXPECT_EQ(scene.meshes[0].indices.size(), 3 * kTriangles);
+  EXPECT_EQ(scene.meshes[0]->indices.size(), 3 * kTriangles);
   EXPECT_NEAR(world_bounds(scene).max.x, kSide - 1, 0.01);
   EXPECT_EQ(note_codes(scene), std::vector<std::string>{"normals-generated"});
 }
@@ -132,7 +132,7 @@ TEST(DracoDocument, GoesBeforeAccessorsThatHaveBytesToo) {
       builder.add_view(std::vector<std::uint16_t>(3 * kTriangles, 0));
   const Scene scene = builder.import();
   EXPECT_NEAR(world_bounds(scene).min.x, 0, 0.01);
-  EXPECT_EQ(scene.meshes[0].indices.size(), 3 * kTriangles);
+  EXPECT_EQ(scene.meshes[0]->indices.size(), 3 * kTriangles);
 }
 
 TEST(DracoDocument, TakesOtherAttributesAndTargetsFromAccessors) {
@@ -147,7 +147,7 @@ TEST(DracoDocument, TakesOtherAttributesAndTargetsFromAccessors) {
   primitive["targets"].push_back({{"POSITION", builder.add_accessor<float>("VEC3", targets)}});
   builder.json["meshes"][0]["weights"] = {0.5};
   const Scene scene = builder.import();
-  EXPECT_EQ(scene.meshes[0].normals.size(), kVertices);
+  EXPECT_EQ(scene.meshes[0]->normals.size(), kVertices);
   EXPECT_NEAR(world_bounds(scene).min.z, 50 + grid_position(7).z, 1);
   EXPECT_EQ(note_codes(scene), std::vector<std::string>{});
 }
@@ -157,14 +157,14 @@ TEST(DracoDocument, StripsAreTriangles) {
   GltfBuilder builder = grid_document();
   primitive_of(builder)["mode"] = 5;
   builder.json["accessors"][1]["count"] = kTriangles + 2;
-  EXPECT_EQ(builder.import().meshes.at(0).indices.size(), 3 * kTriangles);
+  EXPECT_EQ(builder.import().meshes.at(0)->indices.size(), 3 * kTriangles);
 }
 
 TEST(DracoDocument, AttributesShareAnAccessor) {
   GltfBuilder builder = grid_document();
   primitive_of(builder)["attributes"]["_CUSTOM"] = 0;
-  draco_of(builder)["attributes"]["_CUSTOM"] = 12;                            // never read
-  EXPECT_EQ(builder.import().meshes.at(0).positions.size(), 3 * kTriangles);  // flat: vertices of their own
+  draco_of(builder)["attributes"]["_CUSTOM"] = 12;                             // never read
+  EXPECT_EQ(builder.import().meshes.at(0)->positions.size(), 3 * kTriangles);  // flat: vertices of their own
 }
 
 TEST(DracoDocument, RefusesWhatCannotBe) {

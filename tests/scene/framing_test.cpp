@@ -23,14 +23,15 @@ Scene scene_of(std::vector<glm::vec3> points, const glm::mat4& placement = glm::
   mesh.positions = std::move(points);
   for (std::uint32_t i = 0; i < mesh.positions.size(); ++i) mesh.indices.push_back(i);
   Scene scene;
-  scene.meshes.push_back(std::move(mesh));
+  scene.meshes.push_back(std::make_shared<const Mesh>(std::move(mesh)));
   scene.instances.push_back({0, 0, placement, ""});
   return scene;
 }
 
 Scene builtin_scene(std::string_view name) {
   Scene scene;
-  scene.meshes = *builtin_mesh(name);
+  std::vector<Mesh> meshes = *builtin_mesh(name);
+  for (Mesh& mesh : meshes) scene.meshes.push_back(std::make_shared<const Mesh>(std::move(mesh)));
   for (int i = 0; i < int(scene.meshes.size()); ++i) scene.instances.push_back({i, 0, glm::mat4(1), ""});
   return scene;
 }
@@ -54,7 +55,7 @@ struct Frame {
 Frame projected(const View& view, const Scene& scene) {
   Frame frame;
   for (const Instance& instance : scene.instances)
-    for (const glm::vec3& position : scene.meshes[instance.mesh].positions) {
+    for (const glm::vec3& position : scene.meshes[instance.mesh]->positions) {
       const glm::dvec4 clip = glm::dmat4(view.clip_from_view) * glm::dmat4(view.view_from_world) *
                               glm::dmat4(instance.world_from_model) * glm::dvec4(position, 1);
       EXPECT_GT(clip.w, 0);
@@ -135,7 +136,7 @@ TEST(OrbitFraming, NoNearerEyeSeesEverything) {
   const auto overflow =
       [&](double forward) {  // of the best shift, in units of the frame's width and height at 1 m
         double left = 1e30, right = -1e30, bottom = 1e30, top = -1e30;
-        for (const glm::vec3& position : scene.meshes[0].positions) {
+        for (const glm::vec3& position : scene.meshes[0]->positions) {
           const glm::dvec3 p(view_from_world * glm::dmat4(scene.instances[0].world_from_model) *
                              glm::dvec4(position, 1));
           const double depth = -p.z - forward;

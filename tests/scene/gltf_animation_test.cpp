@@ -109,13 +109,13 @@ TEST(GltfAnimation, WeightsMoveMorphTargets) {
   moved.target["path"] = "weights";
   moved.type = "SCALAR";
   moved.values = {0, 0, 1, 0.5f};
-  EXPECT_EQ(moved.at(2).meshes.at(0).positions[0], glm::vec3(0.25f, 0, 0.5f));
-  EXPECT_EQ(Moved(moved).pointer("/meshes/0/weights").at(2).meshes.at(0).positions[0],
+  EXPECT_EQ(moved.at(2).meshes.at(0)->positions[0], glm::vec3(0.25f, 0, 0.5f));
+  EXPECT_EQ(Moved(moved).pointer("/meshes/0/weights").at(2).meshes.at(0)->positions[0],
             glm::vec3(0.25f, 0, 0.5f));
   moved.values = {0, 2};
   EXPECT_EQ(Moved(moved).pointer("/nodes/0/weights/1").refused_at(), "no error");
   moved.builder.json["meshes"][0]["weights"] = {0.5, 0};
-  EXPECT_EQ(Moved(moved).pointer("/nodes/0/weights/1").at(2).meshes.at(0).positions[0],
+  EXPECT_EQ(Moved(moved).pointer("/nodes/0/weights/1").at(2).meshes.at(0)->positions[0],
             glm::vec3(1, 0, 0.5f));
 }
 
@@ -184,8 +184,44 @@ TEST(GltfAnimation, DamagedKeyframesAreRefusedWherePlayedAndNotedWhereNot) {
 
 TEST(GltfAnimation, MeshesThatDoNotMoveKeepTheirKeys) {
   const Moved moved;
-  EXPECT_EQ(moved.at(1).meshes.at(0).key, moved.at(2).meshes.at(0).key);
+  EXPECT_EQ(moved.at(1).meshes.at(0)->key, moved.at(2).meshes.at(0)->key);
   EXPECT_NE(moved.at(1).hash, moved.at(2).hash);
+}
+
+// A model that is parsed once gives at every time, in any order, what an import of its own gives.
+TEST(GltfModel, AtSeveralTimesIsEachAlone) {
+  Moved moved;
+  const int up = moved.builder.add_accessor<float>("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1});
+  Json still = moved.builder.json["meshes"][0];
+  primitive_of(moved.builder)["targets"] = {{{"POSITION", up}}};
+  moved.builder.add("meshes", still);
+  moved.builder.add("nodes", {{"mesh", 1}});
+  moved.builder.add("scenes", {{"nodes", {0, 1}}});
+  moved.target["path"] = "weights";
+  moved.type = "SCALAR";
+  moved.values = {0, 1};
+  const ModelBundle bundle = moved.built().bundle();
+  const ImportLimits limits;
+  const Deadline deadline;
+  GltfModel model(decode::in_process_decoder(), bundle, limits, deadline, GltfModel::Times::kSeveral);
+  SharedMesh at_rest;
+  for (const double seconds : {2.0, 1.0, 2.5, 2.0}) {
+    ImportOptions options;
+    options.animations = {{"move", {seconds, false}}};
+    const Scene scene = model.import(options), alone = moved.at(seconds);
+    EXPECT_EQ(scene.hash, alone.hash);
+    ASSERT_EQ(scene.meshes.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(scene.meshes[i]->key, alone.meshes[i]->key);
+      EXPECT_EQ(scene.meshes[i]->positions, alone.meshes[i]->positions);
+      EXPECT_EQ(scene.instances[i].place, alone.instances[i].place);
+    }
+    EXPECT_NE(scene.instances[0].place, scene.instances[1].place);
+    if (at_rest != nullptr) {
+      EXPECT_EQ(scene.meshes[1], at_rest);
+    }
+    at_rest = scene.meshes[1];
+  }
 }
 
 TEST(GltfVisibility, AHiddenNodeHidesWhatIsBelow) {

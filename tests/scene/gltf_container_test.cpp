@@ -43,7 +43,7 @@ Scene import_bytes(const std::string& bytes) {
 TEST(GlbContainer, BuffersComeFromTheBinChunk) {
   const Scene scene = import_bytes(triangle_glb());
   ASSERT_EQ(scene.meshes.size(), 1u);
-  EXPECT_EQ(scene.meshes[0].positions[1], glm::vec3(1, 0, 0));
+  EXPECT_EQ(scene.meshes[0]->positions[1], glm::vec3(1, 0, 0));
 }
 
 TEST(GlbContainer, EveryTruncationIsRefused) {

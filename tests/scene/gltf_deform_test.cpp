@@ -28,7 +28,7 @@ GltfBuilder morph_builder() {
 
 TEST(MorphTargets, RestAtZeroWithoutWeights) {
   const Scene scene = morph_builder().import();
-  EXPECT_EQ(scene.meshes.at(0).positions[0], glm::vec3(0));
+  EXPECT_EQ(scene.meshes.at(0)->positions[0], glm::vec3(0));
   EXPECT_THAT(scene.notes, IsEmpty());
 }
 
@@ -36,7 +36,7 @@ TEST(MorphTargets, AddWeightedDisplacements) {
   GltfBuilder builder = morph_builder();
   builder.json["meshes"][0]["weights"] = {0.5, 1};
   const Scene scene = builder.import();
-  const Mesh& mesh = scene.meshes.at(0);
+  const Mesh& mesh = *scene.meshes.at(0);
   EXPECT_THAT(mesh.positions,
               ElementsAre(glm::vec3(1, 0, 0.5f), glm::vec3(2, 0, 0.5f), glm::vec3(1, 1, 0.5f)));
   EXPECT_LT(glm::distance(mesh.normals[0], glm::normalize(glm::vec3(1, 0, 1))), 1e-6f);
@@ -51,8 +51,8 @@ TEST(MorphTargets, ANodesWeightsComeBeforeItsMeshs) {
   builder.add("nodes", {{"mesh", 0}});
   const Scene scene = builder.import();
   ASSERT_EQ(scene.meshes.size(), 2u);
-  EXPECT_EQ(scene.meshes[0].positions[0].z, 2);
-  EXPECT_EQ(scene.meshes[1].positions[0].z, 0.5f);
+  EXPECT_EQ(scene.meshes[0]->positions[0].z, 2);
+  EXPECT_EQ(scene.meshes[1]->positions[0].z, 0.5f);
 }
 
 TEST(MorphTargets, FlatNormalsAreOfTheDisplacedTriangles) {
@@ -62,7 +62,7 @@ TEST(MorphTargets, FlatNormalsAreOfTheDisplacedTriangles) {
   const int turn = builder.add_accessor<float>("VEC3", {0, 0, 0, -1, 0, 1, 0, 0, 0});
   builder.show({{"attributes", {{"POSITION", position}}}, {"targets", {{{"POSITION", turn}}}}});
   builder.json["meshes"][0]["weights"] = {1};
-  EXPECT_EQ(builder.import().meshes.at(0).normals[0], glm::vec3(-1, 0, 0));
+  EXPECT_EQ(builder.import().meshes.at(0)->normals[0], glm::vec3(-1, 0, 0));
 }
 
 TEST(MorphTargets, AreChecked) {
@@ -117,7 +117,7 @@ TEST(Skin, PlacesVerticesByTheirJointsAlone) {
   spec.first_joint = {{"translation", {0, 0, 2}}};
   spec.second_joint = {{"translation", {0, 4, 0}}};
   const Scene scene = skin_builder(spec).import();
-  EXPECT_THAT(scene.meshes.at(0).positions,
+  EXPECT_THAT(scene.meshes.at(0)->positions,
               ElementsAre(glm::vec3(0, 0, 2), glm::vec3(1, 4, 0), glm::vec3(0, 3, 1)));
   EXPECT_EQ(scene.instances.at(0).world_from_model, glm::mat4(1));
   EXPECT_THAT(scene.notes, IsEmpty());
@@ -131,7 +131,7 @@ TEST(Skin, InverseBindMatricesComeFirst) {
   spec.inverse_bind = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0,  0, 0, 1,
                        1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -1, 0, 0, 1};
   const Scene scene = skin_builder(spec).import();
-  EXPECT_LT(glm::distance(scene.meshes.at(0).positions[1], glm::vec3(1, 0, 0)), 1e-6f);
+  EXPECT_LT(glm::distance(scene.meshes.at(0)->positions[1], glm::vec3(1, 0, 0)), 1e-6f);
 }
 
 TEST(Skin, NormalsFollowTheInverseTranspose) {
@@ -141,8 +141,8 @@ TEST(Skin, NormalsFollowTheInverseTranspose) {
   spec.first_joint = {{"rotation", {half, 0, 0, half}}};
   spec.second_joint = {{"scale", {3, 1, 1}}};
   const Scene scene = skin_builder(spec).import();
-  EXPECT_LT(glm::distance(scene.meshes.at(0).normals[0], glm::vec3(0, -1, 0)), 1e-6f);
-  EXPECT_LT(glm::distance(scene.meshes.at(0).normals[1], glm::vec3(0, 0, 1)), 1e-6f);
+  EXPECT_LT(glm::distance(scene.meshes.at(0)->normals[0], glm::vec3(0, -1, 0)), 1e-6f);
+  EXPECT_LT(glm::distance(scene.meshes.at(0)->normals[1], glm::vec3(0, 0, 1)), 1e-6f);
 }
 
 TEST(Skin, AMirroringSkeletonKeepsTheOutsideOutside) {
@@ -150,7 +150,7 @@ TEST(Skin, AMirroringSkeletonKeepsTheOutsideOutside) {
   spec.first_joint = {{"scale", {-1, 1, 1}}};
   spec.second_joint = {{"scale", {-1, 1, 1}}};
   const Scene scene = skin_builder(spec).import();
-  const Mesh& mesh = scene.meshes.at(0);
+  const Mesh& mesh = *scene.meshes.at(0);
   const glm::vec3 a = mesh.positions[mesh.indices[0]], b = mesh.positions[mesh.indices[1]],
                   c = mesh.positions[mesh.indices[2]];
   EXPECT_GT(glm::dot(glm::cross(b - a, c - a), mesh.normals[0]), 0);
@@ -161,13 +161,13 @@ TEST(Skin, WeightsAreNormalisedAndTold) {
   spec.second_joint = {{"translation", {0, 4, 0}}};
   spec.weights = {1, 0, 0, 0, 3, 0, 0, 0, 1, 1, 0, 0};
   const Scene scene = skin_builder(spec).import();
-  EXPECT_THAT(scene.meshes.at(0).positions,
+  EXPECT_THAT(scene.meshes.at(0)->positions,
               ElementsAre(glm::vec3(0), glm::vec3(1, 4, 0), glm::vec3(0, 3, 0)));
   EXPECT_THAT(note_codes(scene), ElementsAre("weights-repaired"));
 
   spec.weights = {1, 0, 0, 0, 0, 0, 0, 0, 1, -1, 0, 0};
   const Scene without = skin_builder(spec).import();
-  EXPECT_THAT(without.meshes.at(0).positions,
+  EXPECT_THAT(without.meshes.at(0)->positions,
               ElementsAre(glm::vec3(0), glm::vec3(1, 4, 0), glm::vec3(0, 1, 0)));
 }
 
@@ -182,7 +182,7 @@ TEST(Skin, BothSetsCount) {
   attributes["WEIGHTS_1"] =
       builder.add_accessor<float>("VEC4", {0.25f, 0, 0, 0, 0.25f, 0, 0, 0, 0.25f, 0, 0, 0});
   const Scene scene = builder.import();
-  EXPECT_EQ(scene.meshes.at(0).positions[0], glm::vec3(0, 0, 2));
+  EXPECT_EQ(scene.meshes.at(0)->positions[0], glm::vec3(0, 0, 2));
   EXPECT_THAT(scene.notes, IsEmpty());
 }
 

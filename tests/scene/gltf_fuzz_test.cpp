@@ -22,7 +22,7 @@ void expect_invariants(const Scene& scene) {
   for (const Instance& instance : scene.instances) {
     EXPECT_LT(static_cast<std::size_t>(instance.mesh), scene.meshes.size());
     EXPECT_LT(static_cast<std::size_t>(instance.material), scene.materials.size());
-    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
+    const Mesh& mesh = *scene.meshes[static_cast<std::size_t>(instance.mesh)];
     const bool mapped =
         scene.materials[static_cast<std::size_t>(instance.material)].texture(TextureUse::kNormal).has_value();
     const bool triangles = mesh.topology == Topology::kTriangles;
@@ -61,7 +61,7 @@ constexpr int kRounds = 1000;
 TEST(Fuzz, TheUndamagedModelIsRich) {
   const Scene scene = import_gltf(decode::in_process_decoder(), rich_bundle(), {}, {}, Deadline());
   expect_invariants(scene);
-  EXPECT_EQ(scene.meshes.at(0).positions[2], glm::vec3(0, 1, 1.5f));
+  EXPECT_EQ(scene.meshes.at(0)->positions[2], glm::vec3(0, 1, 1.5f));
 }
 
 TEST(Fuzz, FlippedBitsOfTheDocument) {

@@ -17,7 +17,7 @@ glm::vec3 transformed(const Instance& instance, const glm::vec3& point) {
 TEST(Import, ATriangleComesOutAsWritten) {
   const Scene scene = clean_builder({{"name", "tri"}}).import();
   ASSERT_EQ(scene.meshes.size(), 1u);
-  const Mesh& mesh = scene.meshes[0];
+  const Mesh& mesh = *scene.meshes[0];
   EXPECT_THAT(mesh.positions, ElementsAre(glm::vec3(0), kRight, kUp));
   EXPECT_THAT(mesh.normals, ElementsAre(kTowardsViewer, kTowardsViewer, kTowardsViewer));
   EXPECT_EQ(mesh.uvs[1][0], glm::vec2(0.5f, 0));
@@ -36,7 +36,7 @@ TEST(Import, FlatNormalsAreMadeWhenThereAreNone) {
   const int index = builder.add_accessor<std::uint16_t>("SCALAR", {0, 1, 2, 0, 2, 3});
   builder.show({{"attributes", {{"POSITION", position}}}, {"indices", index}});
   const Scene scene = builder.import();
-  const Mesh& mesh = scene.meshes.at(0);
+  const Mesh& mesh = *scene.meshes.at(0);
   EXPECT_EQ(mesh.positions.size(), 6u);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(mesh.normals[mesh.indices[i]], kTowardsViewer);
   for (int i = 3; i < 6; ++i) EXPECT_EQ(mesh.normals[mesh.indices[i]], kRight);
@@ -50,7 +50,7 @@ TEST(Import, BrokenNormalsAreRepaired) {
   primitive_of(builder)["attributes"]["NORMAL"] =
       builder.add_accessor<float>("VEC3", {0, 0, 0, nan, 0, 1, 0, 0, huge});
   const Scene scene = builder.import();
-  EXPECT_THAT(scene.meshes.at(0).normals, ElementsAre(kTowardsViewer, kTowardsViewer, kTowardsViewer));
+  EXPECT_THAT(scene.meshes.at(0)->normals, ElementsAre(kTowardsViewer, kTowardsViewer, kTowardsViewer));
   EXPECT_EQ(find_note(scene, "normals-repaired")->pointer, "/meshes/0/primitives/0/attributes/NORMAL");
 }
 
@@ -70,8 +70,8 @@ TEST(Import, OtherValuesThatAreNotFiniteAreReplaced) {
   primitive_of(builder)["attributes"]["COLOR_0"] =
       builder.add_accessor<float>("VEC3", {0.5f, 0.5f, 0.5f, nan, 0, 0, 0, 0, 0});
   const Scene scene = builder.import();
-  EXPECT_EQ(scene.meshes[0].uvs[0][0], glm::vec2(0));
-  EXPECT_THAT(scene.meshes[0].colors,
+  EXPECT_EQ(scene.meshes[0]->uvs[0][0], glm::vec2(0));
+  EXPECT_THAT(scene.meshes[0]->colors,
               ElementsAre(glm::vec4(0.5f, 0.5f, 0.5f, 1), glm::vec4(1), glm::vec4(0, 0, 0, 1)));
   EXPECT_THAT(note_codes(scene), ElementsAre("attribute-repaired", "attribute-repaired"));
 }
@@ -85,9 +85,9 @@ TEST(Import, VerticesThatNothingNamesAreDropped) {
   const int index = builder.add_accessor<std::uint8_t>("SCALAR", {1, 3, 4});
   builder.show({{"attributes", {{"POSITION", position}, {"NORMAL", normal}}}, {"indices", index}});
   const Scene scene = builder.import();
-  EXPECT_THAT(scene.meshes[0].positions, ElementsAre(glm::vec3(0), kRight, kUp));
-  EXPECT_THAT(scene.meshes[0].normals, ElementsAre(kTowardsViewer, kTowardsViewer, kTowardsViewer));
-  EXPECT_THAT(scene.meshes[0].indices, ElementsAre(0u, 1u, 2u));
+  EXPECT_THAT(scene.meshes[0]->positions, ElementsAre(glm::vec3(0), kRight, kUp));
+  EXPECT_THAT(scene.meshes[0]->normals, ElementsAre(kTowardsViewer, kTowardsViewer, kTowardsViewer));
+  EXPECT_THAT(scene.meshes[0]->indices, ElementsAre(0u, 1u, 2u));
   EXPECT_EQ(world_bounds(scene).max, glm::vec3(1, 1, 0));
 }
 
@@ -113,7 +113,7 @@ TEST(Import, AMatrixIsColumnMajor) {
   const Scene scene = clean_builder({{"matrix", {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 7, 8, 9, 1}}}).import();
   EXPECT_EQ(transformed(scene.instances.at(0), kRight), glm::vec3(6, 8, 9));
   EXPECT_LT(glm::determinant(glm::mat3(scene.instances[0].world_from_model)), 0);
-  EXPECT_THAT(scene.meshes[0].indices, ElementsAre(0u, 1u, 2u));  // winding is the renderer's business
+  EXPECT_THAT(scene.meshes[0]->indices, ElementsAre(0u, 1u, 2u));  // winding is the renderer's business
 }
 
 TEST(Import, UnevenRotationsAreNormalised) {
@@ -196,9 +196,9 @@ TEST(Import, SuppliedTangentsAreKeptOnlyWithNormals) {
   GltfBuilder builder = clean_builder();
   const int tangent = builder.add_accessor<float>("VEC4", {0, 2, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1});
   primitive_of(builder)["attributes"]["TANGENT"] = tangent;
-  EXPECT_THAT(builder.import().meshes[0].tangents, ::testing::Each(glm::vec4(0, 1, 0, 1)));
+  EXPECT_THAT(builder.import().meshes[0]->tangents, ::testing::Each(glm::vec4(0, 1, 0, 1)));
   primitive_of(builder)["attributes"].erase("NORMAL");
-  EXPECT_THAT(builder.import().meshes[0].tangents, IsEmpty());
+  EXPECT_THAT(builder.import().meshes[0]->tangents, IsEmpty());
 }
 
 TEST(Import, QuantizedAttributesNeedTheirExtension) {
@@ -208,7 +208,7 @@ TEST(Import, QuantizedAttributesNeedTheirExtension) {
   EXPECT_EQ(pointer_of_error(builder), "/meshes/0/primitives/0/attributes/POSITION");
   builder.json["extensionsUsed"] = {"KHR_mesh_quantization"};
   builder.json["extensionsRequired"] = {"KHR_mesh_quantization"};
-  EXPECT_THAT(builder.import().meshes[0].positions, ElementsAre(glm::vec3(0), kRight, kUp));
+  EXPECT_THAT(builder.import().meshes[0]->positions, ElementsAre(glm::vec3(0), kRight, kUp));
 }
 
 TEST(Import, ExtensionsAreIgnoredOrRefused) {
@@ -230,7 +230,7 @@ TEST(Import, PrimitivesThatDrawNothingAreSkipped) {
   primitives.push_back({{"attributes", {{"POSITION", point}}}, {"mode", 0}});
   const Scene scene = builder.import();
   EXPECT_EQ(scene.meshes.size(), 2u);
-  EXPECT_EQ(scene.meshes[1].topology, Topology::kPoints);
+  EXPECT_EQ(scene.meshes[1]->topology, Topology::kPoints);
   EXPECT_THAT(note_codes(scene), ElementsAre("primitive-skipped", "primitive-skipped"));
 }
 

@@ -216,19 +216,19 @@ TEST(GltfLayers, TangentsComeForClearcoatNormalsAndAnisotropy) {
   primitive_of(coated)["attributes"]["TEXCOORD_1"] = coated.add_accessor<float>("VEC2", {0, 0, 0, 1, 1, 0});
   const Scene coat = import_with_png(coated, "a.png");
   EXPECT_THAT(note_codes(coat), ElementsAre("tangents-generated"));
-  for (const glm::vec4& tangent : coat.meshes[0].tangents) EXPECT_EQ(glm::vec3(tangent), glm::vec3(0, 1, 0));
+  for (const glm::vec4& tangent : coat.meshes[0]->tangents) EXPECT_EQ(glm::vec3(tangent), glm::vec3(0, 1, 0));
   const Scene brushed = import_extension("KHR_materials_anisotropy", {{"anisotropyStrength", 1}});
   EXPECT_THAT(note_codes(brushed), ElementsAre("tangents-generated"));
-  EXPECT_THAT(brushed.meshes[0].tangents, ::testing::Each(glm::vec4(1, 0, 0, -1)));
+  EXPECT_THAT(brushed.meshes[0]->tangents, ::testing::Each(glm::vec4(1, 0, 0, -1)));
   const Scene isotropic = import_extension("KHR_materials_anisotropy",
                                            {{"anisotropyStrength", 0}, {"anisotropyTexture", kTexture}});
-  EXPECT_THAT(isotropic.meshes[0].tangents, IsEmpty());
+  EXPECT_THAT(isotropic.meshes[0]->tangents, IsEmpty());
 
   GltfBuilder bare = with_extensions({{"KHR_materials_anisotropy", {{"anisotropyStrength", 1}}}});
   primitive_of(bare)["attributes"].erase("TEXCOORD_0");
   const Scene scene = import_with_png(bare, "a.png");
   EXPECT_THAT(note_codes(scene), ElementsAre("uv-set-missing", "tangents-generated"));
-  for (const glm::vec4& tangent : scene.meshes[0].tangents)
+  for (const glm::vec4& tangent : scene.meshes[0]->tangents)
     EXPECT_NEAR(glm::length(glm::vec3(tangent)), 1, 1e-6f);
 }
 

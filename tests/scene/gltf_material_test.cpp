@@ -140,13 +140,13 @@ TEST(GltfMaterial, NormalMapsGetTangentsAndMissingUvSetsZeros) {
   EXPECT_EQ(scene.materials[0].normal_scale, 0.5f);
   EXPECT_THAT(note_codes(scene), ElementsAre("tangents-generated"));
   // u grows along x and v along y, so that "up" in the image is -y.
-  EXPECT_THAT(scene.meshes[0].tangents, ::testing::Each(glm::vec4(1, 0, 0, -1)));
+  EXPECT_THAT(scene.meshes[0]->tangents, ::testing::Each(glm::vec4(1, 0, 0, -1)));
 
   primitive_of(builder)["attributes"].erase("TEXCOORD_0");
   const Scene bare = import_with_png(builder, "n.png");
   EXPECT_THAT(note_codes(bare), ElementsAre("uv-set-missing", "tangents-generated"));
-  EXPECT_THAT(bare.meshes[0].uvs[0], ::testing::Each(glm::vec2(0)));
-  EXPECT_EQ(bare.meshes[0].tangents.size(), bare.meshes[0].positions.size());
+  EXPECT_THAT(bare.meshes[0]->uvs[0], ::testing::Each(glm::vec2(0)));
+  EXPECT_EQ(bare.meshes[0]->tangents.size(), bare.meshes[0]->positions.size());
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ TEST(Models, DracoChangesLittle) {
     EXPECT_LT(glm::distance(a.min, b.min) + glm::distance(a.max, b.max), 1e-3f * size) << name;
     ASSERT_EQ(plain.meshes.size(), compressed.meshes.size());
     for (std::size_t i = 0; i < plain.meshes.size(); ++i)
-      EXPECT_EQ(plain.meshes[i].indices.size(), compressed.meshes[i].indices.size()) << name;
+      EXPECT_EQ(plain.meshes[i]->indices.size(), compressed.meshes[i]->indices.size()) << name;
   }
 }
 

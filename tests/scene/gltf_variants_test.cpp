@@ -49,8 +49,8 @@ TEST(GltfVariants, MakeScenesOfTheirOwn) {
 TEST(GltfVariants, BringTheMeshWhatTheyNeed) {
   GltfBuilder builder = painted();
   builder.json["materials"][1]["extensions"]["KHR_materials_anisotropy"]["anisotropyStrength"] = 1;
-  EXPECT_THAT(builder.import().meshes[0].tangents, IsEmpty());
-  EXPECT_THAT(builder.import({.variant = "sea"}).meshes[0].tangents, ::testing::SizeIs(3));
+  EXPECT_THAT(builder.import().meshes[0]->tangents, IsEmpty());
+  EXPECT_THAT(builder.import({.variant = "sea"}).meshes[0]->tangents, ::testing::SizeIs(3));
 }
 
 TEST(GltfVariants, WrongMappingsAreRefusedAtTheirPlace) {

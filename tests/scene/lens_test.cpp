@@ -62,7 +62,7 @@ TEST(Lens, OneSampleIsAPinhole) {
 
 Scene cube() {
   Scene scene;
-  scene.meshes = *builtin_mesh("cube");
+  scene.meshes = {std::make_shared<const Mesh>(builtin_mesh("cube")->front())};
   scene.instances.push_back({0, 0, glm::mat4(1), ""});
   return scene;
 }

@@ -224,7 +224,7 @@ TEST_P(MeshoptDocument, FillsTheViews) {
     const ModelBundle bundle = with_placeholder(builder, placeholder);
     const Scene scene = import_gltf(decode::in_process_decoder(), bundle, {}, {}, Deadline());
     EXPECT_EQ(world_bounds(scene).max, glm::vec3(2, 2, 0));
-    EXPECT_EQ(scene.meshes.at(0).indices, (std::vector<std::uint32_t>{0, 1, 2}));
+    EXPECT_EQ(scene.meshes.at(0)->indices, (std::vector<std::uint32_t>{0, 1, 2}));
     EXPECT_EQ(gltf_external_uris(bundle.document, {}), std::vector<std::string>{"data.bin"});
   }
 }

@@ -52,11 +52,11 @@ bool has_note(const Scene& scene, std::string_view code) {
 
 double area(const Scene& scene) {
   double sum = 0;
-  for (const Mesh& mesh : scene.meshes)
-    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-      const glm::vec3 a = mesh.positions[mesh.indices[i]];
-      sum += 0.5 * glm::length(glm::cross(mesh.positions[mesh.indices[i + 1]] - a,
-                                          mesh.positions[mesh.indices[i + 2]] - a));
+  for (const SharedMesh& mesh : scene.meshes)
+    for (std::size_t i = 0; i + 2 < mesh->indices.size(); i += 3) {
+      const glm::vec3 a = mesh->positions[mesh->indices[i]];
+      sum += 0.5 * glm::length(glm::cross(mesh->positions[mesh->indices[i + 1]] - a,
+                                          mesh->positions[mesh->indices[i + 2]] - a));
     }
   return sum;
 }
@@ -71,7 +71,7 @@ TEST(ModelImport, EveryFormOfPlyIsTheSameSquare) {
   for (const PlyForm form : {PlyForm::kText, PlyForm::kLittle, PlyForm::kBig}) {
     const Scene scene = import(ply_square(form));
     ASSERT_EQ(scene.meshes.size(), 1u);
-    const Mesh& mesh = scene.meshes[0];
+    const Mesh& mesh = *scene.meshes[0];
     EXPECT_EQ(mesh.positions.size(), 4u);
     EXPECT_NEAR(area(scene), 4, 1e-6);
     for (const glm::vec3& normal : mesh.normals) EXPECT_EQ(normal, glm::vec3(0, 0, 1));
@@ -92,15 +92,15 @@ TEST(ModelImport, EveryFormOfPlyIsTheSameSquare) {
 TEST(ModelImport, ACloudIsPoints) {
   const Scene scene = import(ply_cloud());
   ASSERT_EQ(scene.meshes.size(), 1u);
-  EXPECT_EQ(scene.meshes[0].topology, Topology::kPoints);
-  EXPECT_EQ(scene.meshes[0].indices.size(), 3u);
-  EXPECT_EQ(scene.meshes[0].colors.at(1), glm::vec4(0, 1, 0, 1));
+  EXPECT_EQ(scene.meshes[0]->topology, Topology::kPoints);
+  EXPECT_EQ(scene.meshes[0]->indices.size(), 3u);
+  EXPECT_EQ(scene.meshes[0]->colors.at(1), glm::vec4(0, 1, 0, 1));
   EXPECT_TRUE(scene.notes.empty());
 }
 
 TEST(ModelImport, StlIsFlatByItsCornersAndZIsUp) {
   const Scene scene = import(binary_stl("solid but binary", {0, 0, 0}));
-  const Mesh& mesh = scene.meshes.at(0);
+  const Mesh& mesh = *scene.meshes.at(0);
   EXPECT_EQ(mesh.indices.size(), 9u);
   EXPECT_TRUE(mesh.colors.empty());
   for (const glm::vec3& normal : mesh.normals) EXPECT_EQ(normal, glm::vec3(0, 0, 1));
@@ -109,7 +109,7 @@ TEST(ModelImport, StlIsFlatByItsCornersAndZIsUp) {
 
   const Scene stated = import(text_stl(), {}, UpAxis::kY);
   EXPECT_EQ(stated.instances.at(0).world_from_model, glm::mat4(1));
-  EXPECT_EQ(stated.meshes.at(0).normals.at(0), glm::vec3(0, -1, 0));
+  EXPECT_EQ(stated.meshes.at(0)->normals.at(0), glm::vec3(0, -1, 0));
   EXPECT_NEAR(area(stated), 3, 1e-6);
   EXPECT_TRUE(stated.notes.empty());
 }
@@ -119,7 +119,7 @@ TEST(ModelImport, StlHasTwoConventionsOfColour) {
   constexpr std::uint16_t kMark = 0x8000, kLow = 31, kHigh = 31 << 10;
   const auto colors_of = [](const Scene& scene) {
     std::array<glm::vec4, 3> colors;
-    const Mesh& mesh = scene.meshes.at(0);
+    const Mesh& mesh = *scene.meshes.at(0);
     for (std::size_t i = 0; i < mesh.positions.size(); ++i)
       if (mesh.positions[i].x > 0) colors.at(std::size_t(mesh.positions[i].x) - 1) = mesh.colors.at(i);
     return colors;
@@ -157,13 +157,13 @@ TEST(ModelImport, MtlBecomesMetallicRoughness) {
   EXPECT_TRUE(has_note(scene, "texture-ignored"));  // map_Ks
   EXPECT_FALSE(has_note(scene, "image-missing"));
 
-  const Mesh& back = scene.meshes[0];
+  const Mesh& back = *scene.meshes[0];
   EXPECT_EQ(scene.instances[0].node_name, "back");
   EXPECT_EQ(back.tangents.size(), back.positions.size());
   for (std::size_t i = 0; i < back.positions.size(); ++i)
     EXPECT_EQ(back.uvs[0].at(i), glm::vec2(back.positions[i].x, 1 - back.positions[i].y));
   // Squares that meet at a right angle keep their edge.
-  for (const glm::vec3& n : scene.meshes[1].normals)
+  for (const glm::vec3& n : scene.meshes[1]->normals)
     EXPECT_EQ(std::abs(n.x) + std::abs(n.y) + std::abs(n.z), 1) << n.x << " " << n.y << " " << n.z;
 }
 
@@ -181,9 +181,9 @@ TEST(ModelImport, WhatIsMissingIsTold) {
 TEST(ModelImport, VertexColoursLinesAndPointsOfObj) {
   const Scene scene = import("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\ng wire\nl 1 2 3\n");
   ASSERT_EQ(scene.meshes.size(), 2u);
-  EXPECT_EQ(scene.meshes[0].colors.size(), 3u);
-  EXPECT_EQ(scene.meshes[1].topology, Topology::kLines);
-  EXPECT_EQ(scene.meshes[1].indices.size(), 4u);
+  EXPECT_EQ(scene.meshes[0]->colors.size(), 3u);
+  EXPECT_EQ(scene.meshes[1]->topology, Topology::kLines);
+  EXPECT_EQ(scene.meshes[1]->indices.size(), 4u);
 }
 
 // On a sphere the exact normal is the position: what is made must come close, and closer with more triangles.

@@ -58,6 +58,23 @@ TEST(Occluder, HasFewTrianglesAndTheSameOutline) {
   }
 }
 
+// What bridges the hollow of a ball darkens it, unless it lies lower than the ball's surface is lifted off its shadow: by half a
+// texel of 512 to a whole one.
+TEST(Occluder, BridgesNoHollowOfTheSurfaceItShadows) {
+  const Mesh mesh = sphere(100);
+  const std::vector<std::uint32_t> few = occluder_indices(mesh, kSurfaceOccluder);
+  EXPECT_LT(few.size(), mesh.indices.size() / 3);
+  constexpr float kExtent = 2, kTexel = kExtent / 512;
+  float highest = 0;
+  for (std::size_t i = 0; i < few.size(); i += 3) {
+    const glm::vec3 &a = mesh.positions[few[i]], &b = mesh.positions[few[i + 1]],
+                    &c = mesh.positions[few[i + 2]];
+    for (const glm::vec3& p : {(a + b + c) / 3.f, (a + b) / 2.f, (b + c) / 2.f, (c + a) / 2.f})
+      highest = std::max(highest, 1 - glm::length(p));
+  }
+  EXPECT_LT(highest, kTexel);
+}
+
 TEST(Occluder, OfASmallMeshIsTheMesh) {
   const Mesh mesh = sphere(10);
   EXPECT_EQ(occluder_indices(mesh, kGroundOccluder), mesh.indices);

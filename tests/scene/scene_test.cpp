@@ -20,7 +20,7 @@ Mesh mesh_of(std::vector<glm::vec3> positions) {
 
 Scene scene_of(Mesh mesh, std::vector<glm::mat4> placements) {
   Scene scene;
-  scene.meshes.push_back(std::move(mesh));
+  scene.meshes.push_back(std::make_shared<const Mesh>(std::move(mesh)));
   for (const glm::mat4& placement : placements) scene.instances.push_back({0, 0, placement, ""});
   return scene;
 }
@@ -64,7 +64,7 @@ TEST(WorldBounds, CoverAllInstancesAndSkipMeshesThatDrawNothing) {
                           glm::scale(glm::mat4(1), glm::vec3(1, -3, 1))});
   Mesh empty = mesh_of({{100, 100, 100}});
   empty.indices.clear();
-  scene.meshes.push_back(empty);
+  scene.meshes.push_back(std::make_shared<const Mesh>(empty));
   scene.instances.push_back({1, 0, glm::mat4(1), ""});
   const Bounds bounds = world_bounds(scene);
   EXPECT_EQ(bounds.min, glm::vec3(0, -3, 0));
@@ -92,7 +92,7 @@ TEST(ByteSize, CountsEveryArrayAndImage) {
   mesh.colors.resize(count);
   mesh.indices.resize(count);
   EXPECT_EQ(mesh.byte_size() - bare, count * (12 + 12 + 16 + 8 + 8 + 16 + 4));
-  scene.meshes.push_back(mesh);
+  scene.meshes.push_back(std::make_shared<const Mesh>(mesh));
   EXPECT_GE(scene.byte_size(), mesh.byte_size() + 1000);
 }
 

@@ -8,6 +8,7 @@
 
 #include "renderer/base/error.hpp"
 #include "renderer/scene/framing.hpp"
+#include "renderer/scene/shutter.hpp"
 
 namespace furnace {
 namespace {
@@ -27,7 +28,7 @@ Scene cloud(unsigned seed, const glm::vec3& middle) {
     mesh.indices.push_back(i);
   }
   Scene scene;
-  scene.meshes.push_back(std::move(mesh));
+  scene.meshes.push_back(std::make_shared<const Mesh>(std::move(mesh)));
   scene.instances.push_back({0, 0, glm::mat4(1), ""});
   return scene;
 }
@@ -61,7 +62,7 @@ Edges edges_of(const std::vector<RenderSpec>& frames, const std::vector<Scene>& 
   Edges edges;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const View view = make_view(frames[i].camera, scenes[i], {300, 200});
-    for (const glm::vec3& position : scenes[i].meshes[0].positions) {
+    for (const glm::vec3& position : scenes[i].meshes[0]->positions) {
       const glm::dvec4 clip =
           glm::dmat4(view.clip_from_view) * glm::dmat4(view.view_from_world) * glm::dvec4(position, 1);
       EXPECT_GT(clip.w, 0);
@@ -80,6 +81,26 @@ TEST(Sequence, FramesPlayTheClipsAndTurnTheCamera) {
   EXPECT_FALSE(frames[3].output.sequence);
   EXPECT_DOUBLE_EQ(frames[3].scene.animations[0].time.seconds, 0.5 + 3 / 24.0);
   EXPECT_NEAR(std::get<OrbitCamera>(frames[3].camera.view).azimuth_rad, 0.61 + 1.5 * kPi, 1e-12);
+}
+
+// What is seen while a frame's shutter is open follows from how fast the camera turns, and about what.
+TEST(Sequence, FramesKnowHowTheyMove) {
+  RenderSpec spec = sequence_spec(4, 2 * kPi);
+  spec.output.sequence->frames_per_second = 8;
+  const std::vector<Scene> scenes(4, cloud(4, {3, 0, 7}));
+  const Bounds bounds = outline_of(scenes[0], {}).bounds;
+  const glm::vec3 middle = (bounds.min + bounds.max) / 2.f;
+  const std::vector<RenderSpec> frames = held(spec, scenes);
+  for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
+    const CameraMotion& motion = frames[i].camera.motion;
+    EXPECT_DOUBLE_EQ(motion.frame_s, 1 / 8.0);
+    EXPECT_DOUBLE_EQ(motion.turn_rad_per_s, 4 * kPi);
+    EXPECT_NEAR(glm::distance(glm::vec3(motion.turn_about_m), middle), 0, 1e-5);
+    // A frame later it is where the next one begins.
+    const View now = make_view(frames[i].camera, scenes[i], {300, 200});
+    const View next = make_view(frames[i + 1].camera, scenes[i], {300, 200});
+    EXPECT_NEAR(glm::distance(view_at(now, motion, motion.frame_s).eye, next.eye), 0, 1e-4);
+  }
 }
 
 TEST(Sequence, LookAtGoesRoundItsTargetTowardsLargerAzimuths) {
@@ -162,7 +183,9 @@ TEST(Sequence, GroundAndFocusAreThoseOfAllFrames) {
 
 TEST(Sequence, AnEndlessVertexIsRefused) {
   Scene scene = cloud(1, {0, 0, 0});
-  scene.meshes[0].positions[7].y = std::numeric_limits<float>::quiet_NaN();
+  Mesh mesh = *scene.meshes[0];
+  mesh.positions[7].y = std::numeric_limits<float>::quiet_NaN();
+  scene.meshes = {std::make_shared<const Mesh>(std::move(mesh))};
   EXPECT_THROW(outline_of(scene, {}), Error);
 }
 

@@ -253,7 +253,8 @@ TEST(Tangents, AgreeWithThoseOfAnExporter) {
   bundle.document = Blob(bytes.str());
   bundle.seal();
   const Scene scene = import_gltf(decode::in_process_decoder(), bundle, {}, {}, Deadline());
-  for (const Mesh& supplied : scene.meshes) {
+  for (const SharedMesh& mesh : scene.meshes) {
+    const Mesh& supplied = *mesh;
     ASSERT_FALSE(supplied.tangents.empty());
     Mesh generated = supplied;
     generated.tangents.clear();

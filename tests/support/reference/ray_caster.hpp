@@ -22,7 +22,7 @@ struct Hit {
 class RayCaster {
  public:
   explicit RayCaster(const Scene& scene) {
-    for (const Instance& instance : scene.instances) add(scene.meshes[std::size_t(instance.mesh)], instance);
+    for (const Instance& instance : scene.instances) add(*scene.meshes[std::size_t(instance.mesh)], instance);
     order_.resize(triangles_.size());
     std::iota(order_.begin(), order_.end(), 0);
     if (!triangles_.empty()) build(0, int(order_.size()));
