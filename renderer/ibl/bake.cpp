@@ -11,6 +11,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "renderer/ibl/alike_levels.hpp"
 #include "renderer/ibl/sharp_level.hpp"
 #include "renderer/ibl/sphere_transform.hpp"
 #include "renderer/ibl/zonal_kernel.hpp"
@@ -23,9 +24,9 @@ namespace {
 constexpr double kSharpBelow = 0.125;
 constexpr std::size_t kSmoothLevels = 3;  // the first ones above it carry the tails of the sharp ones
 constexpr int kBands = 512;
-constexpr int kFewestRows = 512;  // of the working map
-constexpr int kMostRows = 1024;   // of a level: what the largest tile of the atlas can show
-constexpr int kCharlieRows = 192;
+constexpr int kFewestRows = 512;            // of the working map
+constexpr int kMostRows = 1024;             // of a level: what the largest tile of the atlas can show
+constexpr int kRoughRows = 192;             // of levels that are as wide as the hemisphere
 constexpr double kCutOff = 3e-5;            // sufficient_bands of a level,
 constexpr double kIrradianceCutOff = 2e-5;  // and of the irradiance
 
@@ -49,23 +50,19 @@ std::shared_ptr<const Image> working_map(std::shared_ptr<const Image> map) {
 
 // Rows of a grid that bicubic reading follows: so many to a kernel's width, and enough for its kink at the horizon.
 int level_rows(double alpha, int map_rows) {
-  const double wanted = std::max(12 / alpha, 192.0);
-  for (int rows : {192, 256, 288, 384, 512})
+  const double wanted = std::max<double>(12 / alpha, kRoughRows);
+  for (int rows : {kRoughRows, 256, 288, 384, 512})
     if (rows >= wanted) return std::min(rows, map_rows);
   return std::min(map_rows, kMostRows);
 }
 
-std::vector<double> level_coefficients(double alpha, double cut_off) {
-  std::vector<double> k = zonal_coefficients(GgxKernel(alpha), alpha, kBands);
-  k.resize(sufficient_bands(k, cut_off));
-  return k;
+std::vector<double> ggx_coefficients(double alpha) {
+  return zonal_coefficients(GgxKernel(alpha), alpha, kBands);
 }
 
 // Wide, but with a kink at the horizon that is the sharper the lower the roughness.
 std::vector<double> charlie_coefficients(double alpha) {
-  std::vector<double> k = zonal_coefficients(CharlieKernel(alpha), std::numbers::pi, kBands);
-  k.resize(sufficient_bands(k, kCutOff));
-  return k;
+  return zonal_coefficients(CharlieKernel(alpha), std::numbers::pi, kBands);
 }
 
 std::array<double, 3> mean_radiance(const HarmonicCoefficients& coefficients) {
@@ -76,16 +73,16 @@ std::array<double, 3> mean_radiance(const HarmonicCoefficients& coefficients) {
 
 // CPU milliseconds as measured once: they only say how far a bake has come.
 struct StageCosts {
-  static constexpr double kCharlie = 4;
+  static constexpr double kCharlie = 3, kWhole = 6;
 
   StageCosts(int map_rows, int most_rows, const BakeSettings& settings)
       : rows(2.2e-5 * map_rows * map_rows),
-        analysis(20 + 0.02 * map_rows),
-        shared_level(5e-5 * most_rows * most_rows),
-        sharp(7e-5 * map_rows * most_rows) {
+        analysis(12 + 0.02 * map_rows),
+        shared_level(8 + 2.6e-5 * most_rows * most_rows),
+        sharp(15 + 1e-4 * map_rows * most_rows) {
     for (double roughness : ggx_level_roughness())
       if (roughness >= kSharpBelow) all += level(roughness * roughness);
-    all += rows + analysis + sharp;
+    all += rows + analysis + kWhole + sharp;
     if (settings.charlie) all += kCharlie * double(charlie_level_roughness().size());
   }
 
@@ -121,6 +118,10 @@ std::shared_ptr<const BakedEnvironment> bake_environment(std::shared_ptr<const I
   HarmonicCoefficients coefficients = analyse(spectrum, table, work);
   baked->mean = mean_radiance(coefficients);
 
+  AlikeLevels rough(coefficients, table, std::min(kRoughRows, map_rows));
+  work.begin("environment: irradiance", costs.share(StageCosts::kWhole));
+  baked->irradiance = rough.level(ggx_coefficients(1), kIrradianceCutOff, work);
+
   std::vector<GgxKernel> sharp_kernels;
   std::vector<SmoothLevel> smooth;
   for (BakedLevel& level : baked->levels) {
@@ -132,20 +133,24 @@ std::shared_ptr<const BakedEnvironment> bake_environment(std::shared_ptr<const I
     work.begin("environment: rough level", costs.share(costs.level(alpha)));
     const bool shared = smooth.size() < kSmoothLevels;
     const int rows = shared ? most_rows : level_rows(alpha, map_rows);
-    RowSpectrum level_spectrum = synthesise(
-        coefficients, table, level_coefficients(alpha, alpha == 1 ? kIrradianceCutOff : kCutOff), rows, work);
-    level.equirect = equirect_of_spectrum(level_spectrum, 2 * rows, work);
-    if (shared) smooth.push_back({GgxKernel(alpha), std::move(level_spectrum)});
+    if (alpha == 1) {  // GGX is Lambert's cosine
+      level.equirect = baked->irradiance;
+    } else if (rows == rough.rows()) {
+      level.equirect = rough.level(ggx_coefficients(alpha), kCutOff, work);
+    } else {
+      std::vector<double> k = ggx_coefficients(alpha);
+      k.resize(sufficient_bands(k, kCutOff));
+      RowSpectrum level_spectrum = synthesise(coefficients, table, k, rows, work);
+      level.equirect = equirect_of_spectrum(level_spectrum, 2 * rows, work);
+      if (shared) smooth.push_back({GgxKernel(alpha), std::move(level_spectrum)});
+    }
   }
-  baked->irradiance = baked->levels.back().equirect;  // at alpha = 1 GGX is Lambert's cosine
 
   if (settings.charlie) {
     for (const double roughness : charlie_level_roughness()) {
       work.begin("environment: sheen level", costs.share(StageCosts::kCharlie));
-      const std::vector<double> k = charlie_coefficients(roughness * roughness);
-      const int rows = std::min(kCharlieRows, map_rows);
-      const RowSpectrum level = synthesise(coefficients, table, k, rows, work);
-      baked->charlie.push_back({roughness, equirect_of_spectrum(level, 2 * rows, work)});
+      baked->charlie.push_back(
+          {roughness, rough.level(charlie_coefficients(roughness * roughness), kCutOff, work)});
     }
   }
 
