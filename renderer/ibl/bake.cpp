@@ -92,6 +92,74 @@ struct StageCosts {
   double rows = 0, analysis = 0, shared_level = 0, sharp = 0, all = 0;
 };
 
+double alpha_of(const BakedLevel& level) {
+  return level.perceptual_roughness * level.perceptual_roughness;
+}
+
+bool is_sharp(const BakedLevel& level) {
+  return level.perceptual_roughness < kSharpBelow;
+}
+
+// One bake: what its steps have in common.
+struct Bake {
+  BakedEnvironment& baked;
+  int map_rows, most_rows;
+  StageCosts costs;
+  BakeWork& work;
+};
+
+RowSpectrum synthesise_level(const Bake& bake, const HarmonicCoefficients& coefficients,
+                             const LegendreTable& table, BakedLevel& level, int rows) {
+  std::vector<double> k = ggx_coefficients(alpha_of(level));
+  k.resize(sufficient_bands(k, kCutOff));
+  RowSpectrum spectrum = synthesise(coefficients, table, k, rows, bake.work);
+  level.equirect = equirect_of_spectrum(spectrum, 2 * rows, bake.work);
+  return spectrum;
+}
+
+// The sharp levels and those that carry their tails. They need most of the memory, so they come first and alone.
+void bake_sharp_levels(const Bake& bake, RowSpectrum map, const HarmonicCoefficients& coefficients,
+                       const LegendreTable& table) {
+  std::vector<BakedLevel>& levels = bake.baked.levels;
+  std::vector<GgxKernel> kernels;
+  for (const BakedLevel& level : levels)
+    if (is_sharp(level)) kernels.emplace_back(alpha_of(level));
+  std::vector<SmoothLevel> smooth;
+  for (std::size_t i = kernels.size(); i < kernels.size() + kSmoothLevels; ++i) {
+    const double alpha = alpha_of(levels[i]);
+    bake.work.begin("environment: rough level", bake.costs.share(bake.costs.level(alpha)));
+    smooth.push_back(
+        {GgxKernel(alpha), synthesise_level(bake, coefficients, table, levels[i], bake.most_rows)});
+  }
+  bake.work.begin("environment: sharp levels", bake.costs.share(bake.costs.sharp));
+  std::vector<Image> sharp = convolve_sharp(map, kernels, smooth, bake.work);
+  for (std::size_t i = 0; i < sharp.size(); ++i) levels[i].equirect = std::move(sharp[i]);
+}
+
+void bake_rough_levels(const Bake& bake, const HarmonicCoefficients& coefficients, const LegendreTable& table,
+                       bool charlie) {
+  AlikeLevels wide(coefficients, table, std::min(kRoughRows, bake.map_rows));
+  bake.work.begin("environment: irradiance", bake.costs.share(StageCosts::kWhole));
+  bake.baked.irradiance = wide.level(ggx_coefficients(1), kIrradianceCutOff, bake.work);
+  bake.baked.levels.back().equirect = bake.baked.irradiance;  // at alpha = 1 GGX is Lambert's cosine
+  for (BakedLevel& level : bake.baked.levels) {
+    if (!level.equirect.pixels.empty()) continue;
+    const double alpha = alpha_of(level);
+    const int rows = level_rows(alpha, bake.map_rows);
+    bake.work.begin("environment: rough level", bake.costs.share(bake.costs.level(alpha)));
+    if (rows == wide.rows())
+      level.equirect = wide.level(ggx_coefficients(alpha), kCutOff, bake.work);
+    else
+      synthesise_level(bake, coefficients, table, level, rows);
+  }
+  if (!charlie) return;
+  for (const double roughness : charlie_level_roughness()) {
+    bake.work.begin("environment: sheen level", bake.costs.share(StageCosts::kCharlie));
+    bake.baked.charlie.push_back(
+        {roughness, wide.level(charlie_coefficients(roughness * roughness), kCutOff, bake.work)});
+  }
+}
+
 }  // namespace
 
 std::shared_ptr<const BakedEnvironment> bake_environment(std::shared_ptr<const Image> radiance,
@@ -106,58 +174,21 @@ std::shared_ptr<const BakedEnvironment> bake_environment(std::shared_ptr<const I
   const std::vector<double> roughness = ggx_level_roughness();
   for (std::size_t i = 1; i < roughness.size(); ++i) baked->levels.push_back({roughness[i], {}});
 
-  const std::shared_ptr<const Image> map = working_map(radiance);
+  std::shared_ptr<const Image> map = working_map(std::move(radiance));
   const int map_rows = map->extent.height, most_rows = std::min(map_rows, kMostRows);
-  const StageCosts costs(map_rows, most_rows, settings);
   BakeWork work(pool, deadline, settings.progress);
-  work.begin("environment: rows", costs.share(costs.rows));
-  const RowSpectrum spectrum = spectrum_of_equirect(*map, work);
+  const Bake bake{*baked, map_rows, most_rows, StageCosts(map_rows, most_rows, settings), work};
+  work.begin("environment: rows", bake.costs.share(bake.costs.rows));
+  RowSpectrum spectrum = spectrum_of_equirect(*map, work);
+  map.reset();
 
-  work.begin("environment: analysis", costs.share(costs.analysis));
+  work.begin("environment: analysis", bake.costs.share(bake.costs.analysis));
   const LegendreTable table(kBands);
-  HarmonicCoefficients coefficients = analyse(spectrum, table, work);
+  const HarmonicCoefficients coefficients = analyse(spectrum, table, work);
   baked->mean = mean_radiance(coefficients);
 
-  AlikeLevels rough(coefficients, table, std::min(kRoughRows, map_rows));
-  work.begin("environment: irradiance", costs.share(StageCosts::kWhole));
-  baked->irradiance = rough.level(ggx_coefficients(1), kIrradianceCutOff, work);
-
-  std::vector<GgxKernel> sharp_kernels;
-  std::vector<SmoothLevel> smooth;
-  for (BakedLevel& level : baked->levels) {
-    const double alpha = level.perceptual_roughness * level.perceptual_roughness;
-    if (level.perceptual_roughness < kSharpBelow) {
-      sharp_kernels.emplace_back(alpha);
-      continue;
-    }
-    work.begin("environment: rough level", costs.share(costs.level(alpha)));
-    const bool shared = smooth.size() < kSmoothLevels;
-    const int rows = shared ? most_rows : level_rows(alpha, map_rows);
-    if (alpha == 1) {  // GGX is Lambert's cosine
-      level.equirect = baked->irradiance;
-    } else if (rows == rough.rows()) {
-      level.equirect = rough.level(ggx_coefficients(alpha), kCutOff, work);
-    } else {
-      std::vector<double> k = ggx_coefficients(alpha);
-      k.resize(sufficient_bands(k, kCutOff));
-      RowSpectrum level_spectrum = synthesise(coefficients, table, k, rows, work);
-      level.equirect = equirect_of_spectrum(level_spectrum, 2 * rows, work);
-      if (shared) smooth.push_back({GgxKernel(alpha), std::move(level_spectrum)});
-    }
-  }
-
-  if (settings.charlie) {
-    for (const double roughness : charlie_level_roughness()) {
-      work.begin("environment: sheen level", costs.share(StageCosts::kCharlie));
-      baked->charlie.push_back(
-          {roughness, rough.level(charlie_coefficients(roughness * roughness), kCutOff, work)});
-    }
-  }
-
-  coefficients.values = {};
-  work.begin("environment: sharp levels", costs.share(costs.sharp));
-  std::vector<Image> sharp = convolve_sharp(spectrum, sharp_kernels, smooth, work);
-  for (std::size_t i = 0; i < sharp.size(); ++i) baked->levels[i].equirect = std::move(sharp[i]);
+  bake_sharp_levels(bake, std::move(spectrum), coefficients, table);
+  bake_rough_levels(bake, coefficients, table, settings.charlie);
   work.finish();
   baked->bake_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   return baked;
