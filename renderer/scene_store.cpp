@@ -234,8 +234,11 @@ void SceneStore::prepare_environment(const RenderSpec& spec, const ResidentKeys&
     if (!seen->map && seen->blur_rad == 0) {
       scene.background = std::shared_ptr<const PreparedSky>(baked, &environment.seen());
     } else {
-      scene.background =
+      const auto background =
           environments_.background(seen->map.value_or(wanted.map), seen->blur_rad, deadline, times);
+      scene.background = std::shared_ptr<const PreparedSky>(background, &background->sky);
+      // Those of the environment's own map were told.
+      if (seen->map) out.notes.insert(out.notes.end(), background->notes.begin(), background->notes.end());
     }
   }
   if (const int views = sky_views_wanted(spec); views > 0) {

@@ -95,6 +95,51 @@ class Named(Case):
         self.assertIn("bake;desc=disk", second.headers["server-timing"])
         self.assertEqual(first.body, second.body)
 
+    # A background of its own: the environment out of focus, another map sharp, another map out of focus.
+    def test_a_restart_blurs_nothing_again(self):
+        data = os.path.join(self.folder.name, "data")
+        other = os.path.join(self.folder.name, "other.hdr")
+        with open(other, "wb") as file:
+            file.write(sky(50))
+        backgrounds = [{"type": "environment", "blurDegrees": 6},
+                       {"type": "environment", "map": "environment:other"},
+                       {"type": "environment", "map": "environment:other", "blurDegrees": 20}]
+        wanted = [{**small(), "environment": {"map": "environment:lawn", "background": background}}
+                  for background in backgrounds]
+        with Server("--data", data, *BAKES_ONLY) as server:
+            self.put(server)
+            self.put(server, "other", other)
+            first = [server.render(request) for request in wanted]
+        self.assertEqual(len({answer.body for answer in first}), len(wanted))
+        for answer in first:
+            self.assertNotIn("bake;desc=disk", answer.headers["server-timing"])
+        with Server("--data", data, *BAKES_ONLY) as server:
+            second = [server.render(request) for request in wanted]
+            again = server.render({**wanted[0], "output": {"width": 47, "height": 32}})
+        for one, other in zip(first, second):
+            self.assertIn("bake;desc=disk", other.headers["server-timing"])
+            self.assertEqual(one.body, other.body)
+        self.assertIn("bake;desc=hit", again.headers["server-timing"])
+
+    def test_a_damaged_background_is_blurred_again(self):
+        data = os.path.join(self.folder.name, "data")
+        request = {**small(), "environment": {"map": "environment:lawn", "background": {"type": "environment", "blurDegrees": 6}}}
+        with Server("--data", data, *BAKES_ONLY) as server:
+            self.put(server)
+            kept = set(self.bakes(data))
+            first = server.render(request)
+            background, = set(self.bakes(data)) - kept
+        with open(background, "r+b") as file:
+            file.seek(-9, os.SEEK_END)
+            byte = file.read(1)
+            file.seek(-1, os.SEEK_CUR)
+            file.write(bytes([byte[0] ^ 1]))
+        for hit in (False, True):
+            with Server("--data", data, *BAKES_ONLY) as server:
+                again = server.render(request)
+            self.assertEqual("bake;desc=disk" in again.headers["server-timing"], hit)
+            self.assertEqual(first.body, again.body)
+
     def test_damaged_bakes_are_baked_again(self):
         data = os.path.join(self.folder.name, "data")
         with Server("--data", data, *BAKES_ONLY) as server:
@@ -108,8 +153,11 @@ class Named(Case):
             self.assertNotIn("bake;desc=disk", again.headers["server-timing"])
             self.assertEqual(first.body, again.body)
 
+    def bakes(self, data):
+        return [path for path in support.files_below(data) if path.endswith(".exr")]
+
     def damage(self, data, change):
-        bakes = [path for path in support.files_below(data) if path.endswith(".exr")]
+        bakes = self.bakes(data)
         self.assertEqual(len(bakes), 1, bakes)
         with open(bakes[0], "rb") as file:
             content = file.read()
