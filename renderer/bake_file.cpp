@@ -165,6 +165,7 @@ Texts texts_of(const ContentHash& key, const StoredBake& bake) {
       {"furnace.levelTiles", text_of(numbers_of(atlas.level_tiles))},
       {"furnace.irradianceTile", text_of(numbers_of({atlas.irradiance_tile}))},
       {"furnace.summary.size", text_of<int>({summary.size.width, summary.size.height})},
+      {"furnace.summary.layout", fmt::format("{}", int(summary.layout))},
       {"furnace.summary.repairs",
        text_of<std::int64_t>({repairs.nan_samples, repairs.infinite_samples, repairs.negative_samples})},
       {"furnace.summary.mean", text_of<double>({summary.mean.begin(), summary.mean.end()})},
@@ -184,6 +185,9 @@ EnvironmentSummary summary_of(const Texts& texts) {
   const auto mean = numbers_of<double>(texts, "furnace.summary.mean", 3);
   EnvironmentSummary summary;
   summary.size = {size[0], size[1]};
+  const int layout = number_of<int>(texts, "furnace.summary.layout");
+  if (layout < 0 || layout > int(kLastEnvironmentLayout)) fail_foreign("its layout");
+  summary.layout = EnvironmentLayout(layout);
   summary.repairs = {repairs[0], repairs[1], repairs[2]};
   summary.mean = {mean[0], mean[1], mean[2]};
   summary.peak = number_of<double>(texts, "furnace.summary.peak");

@@ -12,7 +12,7 @@
 
 namespace furnace {
 
-inline constexpr int kBakeFileLayout = 3;  // raised when a text is added or changes its meaning
+inline constexpr int kBakeFileLayout = 4;  // raised when a text is added or changes its meaning
 // A sky of 16384x8192 is one GiB of half floats.
 inline constexpr std::int64_t kLargestBakeFileBytes = 1LL << 30;
 

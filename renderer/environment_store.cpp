@@ -21,7 +21,7 @@ ContentHash map_key(const EnvironmentMapSpec& map) {
   if (const auto* builtin = std::get_if<BuiltinName>(&map)) {
     key.add("builtin").add(builtin->name);
   } else if (const auto* file = std::get_if<EnvironmentFile>(&map)) {
-    key.add("file").add(file->bytes.hash());
+    key.add("file").add(file->bytes.hash()).add(name_of(file->layout));
   } else if (const auto* procedural = std::get_if<ProceduralEnvironment>(&map)) {
     key.add("procedural").add(procedural_hash(*procedural));
   } else {
@@ -37,6 +37,14 @@ std::vector<Note> repair_notes(const RepairReport& repairs, const char* pointer)
   return {{"environment-repaired", pointer,
            fmt::format("the environment had {} NaN, {} infinite and {} negative samples, which were replaced",
                        repairs.nan_samples, repairs.infinite_samples, repairs.negative_samples)}};
+}
+
+// A bake tells more often than anybody wants to hear.
+BakeProgress in_percents(const TellStage& tell) {
+  if (!tell) return {};
+  return [&tell, told = -1](double fraction) mutable {
+    if (const int percent = int(100 * fraction); percent > told) tell("bake", 0.01 * (told = percent));
+  };
 }
 
 enum class Origin { kMemory, kDisk, kMade };
@@ -96,24 +104,26 @@ DecodedEnvironment EnvironmentStore::decode(const EnvironmentMapSpec& map, const
   }
   if (const auto* file = std::get_if<EnvironmentFile>(&map)) {
     try {
-      return decoder_.environment(file->bytes, limits_, deadline);
+      return decoder_.environment(file->bytes, file->layout, limits_, deadline);
     } catch (Error& error) {
       error.pointer = pointer;
       throw;
     }
   }
   if (const auto* procedural = std::get_if<ProceduralEnvironment>(&map))
-    return {paint_environment(*procedural), {}};
+    return {paint_environment(*procedural, {&pool_, deadline}), {}};
   return {constant_environment(std::get<EnvironmentColor>(map).radiance), {}};
 }
 
 StoredBake EnvironmentStore::bake(const EnvironmentMapSpec& map, bool extracts_suns, const ContentHash& key,
-                                  const Deadline& deadline, StageTimes& times) const {
+                                  const Deadline& deadline, const TellStage& tell, StageTimes& times) const {
   DecodedEnvironment decoded = decode(map, "/environment/map", deadline, times);
   const Stopwatch watch(times.bake_ms);
-  StoredBake made{prepare_environment(std::move(decoded.equirect), extracts_suns, key, pool_, deadline),
+  StoredBake made{prepare_environment(std::move(decoded.equirect), extracts_suns, key, pool_, deadline,
+                                      in_percents(tell)),
                   repair_notes(decoded.repairs, "/environment/map")};
   made.environment.summary.repairs = decoded.repairs;
+  made.environment.summary.layout = decoded.layout;
   return made;
 }
 
@@ -135,7 +145,8 @@ BakeStore* EnvironmentStore::disk_for(const EnvironmentMapSpec& map) const {
 }
 
 std::shared_ptr<const StoredBake> EnvironmentStore::baked(const EnvironmentMapSpec& map, SunMode sun,
-                                                          const Deadline& deadline, StageTimes& times) {
+                                                          const Deadline& deadline, const TellStage& tell,
+                                                          StageTimes& times) {
   const bool extracts_suns = sun != SunMode::kKeep;
   const ContentHash key =
       extracts_suns ? HashBuilder().add("without suns").add(map_key(map)).finish() : map_key(map);
@@ -147,8 +158,8 @@ std::shared_ptr<const StoredBake> EnvironmentStore::baked(const EnvironmentMapSp
   }
   Origin origin = Origin::kMade;
   auto environment = find<StoredBake>(
-      baked_, key, deadline, times, load, [&] { return bake(map, extracts_suns, key, deadline, times); },
-      save, origin);
+      baked_, key, deadline, times, load,
+      [&] { return bake(map, extracts_suns, key, deadline, tell, times); }, save, origin);
   times.bake_hit = origin != Origin::kMade;
   times.bake_from_disk = origin == Origin::kDisk;
   return environment;

@@ -193,14 +193,15 @@ void SceneStore::prepare_textures(const ResidentKeys& resident, PreparedScene& o
 
 EnvironmentAnswer SceneStore::environment_summary(const EnvironmentSpec& spec, const Deadline& deadline) {
   StageTimes times;
-  const auto found = environments_.baked(spec.map, spec.sun, deadline, times);
+  const auto found = environments_.baked(spec.map, spec.sun, deadline, {}, times);
   return {found->environment.summary, times.bake_hit};
 }
 
 void SceneStore::prepare_environment(const RenderSpec& spec, const ResidentKeys& resident,
-                                     const Deadline& deadline, StageTimes& times, Preparation& out) {
+                                     const Deadline& deadline, const TellStage& tell, StageTimes& times,
+                                     Preparation& out) {
   const EnvironmentSpec& wanted = spec.environment;
-  const auto baked = environments_.baked(wanted.map, wanted.sun, deadline, times);
+  const auto baked = environments_.baked(wanted.map, wanted.sun, deadline, tell, times);
   out.notes.insert(out.notes.end(), baked->notes.begin(), baked->notes.end());
   const PreparedEnvironment& environment = baked->environment;
   PreparedScene& scene = out.scene;
@@ -295,7 +296,7 @@ void SceneStore::prepare_ground(const RenderSpec& spec, const ResidentKeys& resi
 }
 
 Preparation SceneStore::prepare(const RenderSpec& spec, const ResidentKeys& resident,
-                                const Deadline& deadline, StageTimes& times) {
+                                const Deadline& deadline, const TellStage& tell, StageTimes& times) {
   Preparation out;
   {
     const Stopwatch watch(times.decode_ms);
@@ -310,7 +311,7 @@ Preparation SceneStore::prepare(const RenderSpec& spec, const ResidentKeys& resi
     prepare_textures(resident, out.scene, scene, deadline, out.notes, times.decode_hit);
   }
   check_deadline(deadline, "bake");
-  prepare_environment(spec, resident, deadline, times, out);
+  prepare_environment(spec, resident, deadline, tell, times, out);
   return out;
 }
 

@@ -28,7 +28,7 @@ class SceneStore {
   // Decodes what is neither cached nor `resident` on the GPU. Adds to decode_ms and bake_ms of `times`.
   // Errors: those of import, composition, decoding and baking, with pointers into the request or the model.
   Preparation prepare(const RenderSpec& spec, const ResidentKeys& resident, const Deadline& deadline,
-                      StageTimes& times);
+                      const TellStage& tell, StageTimes& times);
 
   // Imports and composes what is not cached, decodes nothing. Errors: those of import and composition.
   std::shared_ptr<const ComposedScene> composed(const SceneSpec& spec, const Deadline& deadline);
@@ -44,7 +44,7 @@ class SceneStore {
   void prepare_textures(const ResidentKeys& resident, PreparedScene& out, const Scene& scene,
                         const Deadline& deadline, std::vector<Note>& notes, bool& hit);
   void prepare_environment(const RenderSpec& spec, const ResidentKeys& resident, const Deadline& deadline,
-                           StageTimes& times, Preparation& out);
+                           const TellStage& tell, StageTimes& times, Preparation& out);
   void prepare_ground(const RenderSpec& spec, const ResidentKeys& resident, StageTimes& times,
                       Preparation& out);
 

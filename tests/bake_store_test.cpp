@@ -58,13 +58,10 @@ StoredBake make_bake(int number, Extent sky = {32, 16}, Extent atlas = {40, 52})
                             {0.1, 1.0 / 3, 1},
                             {{1, 1, 16}, {19, 1, 16}, {1, 19, 20}},
                             {23, 19, 8}};
-  bake.environment.summary = {{4096, 2048},
-                              {1, 2, 3},
-                              {0.1, 0.2, 1e-30},
-                              65504.25,
-                              1.0 / 7,
-                              812.5,
-                              {{{0.6, 0.8, 0}, {1e5, 2e4, 1.0 / 3}, 0.0047, 7e-5, 118272}},
+  bake.environment.summary = {{4096, 2048}, EnvironmentLayout::kVerticalCross,
+                              {1, 2, 3},    {0.1, 0.2, 1e-30},
+                              65504.25,     1.0 / 7,
+                              812.5,        {{{0.6, 0.8, 0}, {1e5, 2e4, 1.0 / 3}, 0.0047, 7e-5, 118272}},
                               true};
   bake.notes = {{"environment-repaired", "/environment/map", std::string("all\0bytes \xff \n", 13)},
                 {"", "", ""}};
@@ -97,15 +94,6 @@ bool same(const StoredBake& a, const StoredBake& b) {
          same(x.atlas.level_tiles, y.atlas.level_tiles) &&
          members(x.atlas.irradiance_tile) == members(y.atlas.irradiance_tile) && x.summary == y.summary &&
          same(a.notes, b.notes);
-}
-
-StoredBackground make_background(int number) {
-  return {{key_of(number), random_halves({48, 24}, unsigned(number)), 0x1p-5},
-          {{"environment-repaired", "/environment/background/map", "how many"}}};
-}
-
-bool same(const StoredBackground& a, const StoredBackground& b) {
-  return members(a.sky) == members(b.sky) && same(a.notes, b.notes);
 }
 
 void write(const fs::path& path, std::string_view bytes) {
@@ -178,48 +166,6 @@ TEST_F(BakeStoreTest, GivesBackEveryBit) {
   EXPECT_EQ(names_in(store.path_of(key_of(1)).parent_path()).size(), 2u);
   EXPECT_EQ(store.stats().hits, 2);
   EXPECT_EQ(store.stats().misses, 0);
-}
-
-TEST_F(BakeStoreTest, GivesBackEveryBitOfABackground) {
-  ASSERT_TRUE(BakeStore(folder_, kAmple).save_background(key_of(1), make_background(1)));
-  BakeStore store(folder_, kAmple);
-  EXPECT_TRUE(same(store.load_background(key_of(1)).value(), make_background(1)));
-  EXPECT_FALSE(store.load_background(key_of(2)));
-  EXPECT_EQ(store.stats().set_aside, 0);
-}
-
-TEST_F(BakeStoreTest, AChangedBackgroundIsAMissOrChangesNothing) {
-  BakeStore store(folder_, kAmple);
-  ASSERT_TRUE(store.save_background(key_of(1), make_background(1)));
-  const fs::path path = store.path_of(key_of(1));
-  const std::string whole = read_file(path, kAmple);
-  int misses = 0;
-  constexpr int kChanges = 150;
-  for (int i = 0; i < kChanges; ++i) {
-    std::string changed = whole;
-    char& byte = changed[std::size_t(i) * (whole.size() - 1) / (kChanges - 1)];
-    byte = char(byte ^ 1 << i % 8);
-    write(path, changed);
-    const auto loaded = store.load_background(key_of(1));
-    misses += !loaded;
-    EXPECT_TRUE(!loaded || same(*loaded, make_background(1))) << i;
-  }
-  EXPECT_GT(misses, kChanges * 3 / 4);
-  for (const std::size_t length : {std::size_t{0}, whole.size() / 3, whole.size() - 1}) {
-    write(path, whole.substr(0, length));
-    EXPECT_FALSE(store.load_background(key_of(1))) << length;
-  }
-  EXPECT_EQ(store.stats().set_aside, misses + 3);
-}
-
-// Neither is taken for the other, whatever stands under a key.
-TEST_F(BakeStoreTest, ABakeIsNoBackground) {
-  BakeStore store(folder_, kAmple);
-  ASSERT_TRUE(store.save(key_of(1), make_bake(1)));
-  EXPECT_FALSE(store.load_background(key_of(1)));
-  ASSERT_TRUE(store.save_background(key_of(1), make_background(1)));
-  EXPECT_FALSE(store.load(key_of(1)));
-  EXPECT_EQ(store.stats().set_aside, 2);
 }
 
 TEST_F(BakeStoreTest, WithoutABudgetTouchesNothing) {
