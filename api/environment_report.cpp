@@ -58,6 +58,7 @@ std::string environment_report_json(const EnvironmentReport& report) {
       {"sha256", report.sha256},
       {"width", report.width},
       {"height", report.height},
+      {"layout", report.layout},
       {"peak", report.peak},
       {"mean", report.mean},
       {"horizontalIlluminanceLux", report.horizontal_illuminance_lux},

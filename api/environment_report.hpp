@@ -26,6 +26,7 @@ struct EnvironmentReport {
   std::string name;    // as the user calls it
   std::string sha256;  // of the file, hex
   int width = 0, height = 0;
+  std::string layout;  // of the file: equirect, horizontal-cross, ...
   double peak = 0;
   std::array<double, 3> mean{};  // solid-angle weighted, linear Rec. 709
   double horizontal_illuminance_lux = 0;

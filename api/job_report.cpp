@@ -24,6 +24,8 @@ OrderedJson members(const JobReport& report) {
   if (report.started_ms > 0) json["startedAt"] = time_text(report.started_ms);
   if (report.finished_ms > 0) json["finishedAt"] = time_text(report.finished_ms);
   if (report.frames > 0) json["progress"] = {{"framesDone", report.frames_done}, {"frames", report.frames}};
+  if (!report.stage.empty()) json["progress"]["stage"] = report.stage;
+  if (report.share > 0) json["progress"]["share"] = report.share;
   if (!report.result.empty()) json["result"] = report.result;
   if (!report.problem.empty()) json["problem"] = OrderedJson::parse(report.problem, nullptr, false);
   const WebhookReport& webhook = report.webhook;

@@ -21,6 +21,8 @@ struct JobReport {
   int priority = 0;
   std::int64_t created_ms = 0, started_ms = 0, finished_ms = 0;  // since the epoch; 0: not yet
   int frames_done = 0, frames = 0;                               // of a sequence; frames 0: not known
+  std::string_view stage = {};                                   // bake, draw; empty: not known
+  double share = 0;                                              // of the stage that is done; 0: not known
   std::string result;   // where the file stands; empty: there is none
   std::string problem;  // problem document; empty: it did not fail
   WebhookReport webhook = {};

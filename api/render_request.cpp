@@ -164,6 +164,7 @@ class Reader {
 
   void read_environment(const Value& value, EnvironmentSpec& spec) {
     if (const Value map = value["map"]) read_map(map, spec.map);
+    read_layout(value, spec.map);
     read_degrees(value["rotationDegrees"], spec.rotation_rad);
     read(value["intensity"], spec.intensity);
     read(value["illuminanceLux"], spec.illuminance_lux);
@@ -188,6 +189,8 @@ class Reader {
     if (kind == "environment") {
       auto& background = spec.emplace<EnvironmentBackground>();
       if (const Value map = value["map"]) read_map(map, background.map.emplace());
+      EnvironmentMapSpec no_file = BuiltinName{};
+      read_layout(value, background.map ? *background.map : no_file);
       if (const Value rotation = value["rotationDegrees"])
         read_degrees(rotation, background.rotation_rad.emplace());
       read(value["intensity"], background.intensity);
@@ -234,6 +237,28 @@ class Reader {
       faults_.collect(map,
                       [&] { spec = EnvironmentFile{assets_.read(std::string(map.text()), map.pointer())}; });
     }
+  }
+
+  // Of the map that `value` names.
+  void read_layout(const Value& value, EnvironmentMapSpec& map) {
+    const Value layout = value["layout"];
+    if (!layout) return;
+    static constexpr Choice<EnvironmentLayout> kLayouts[] = {
+        {"auto", EnvironmentLayout::kAuto},
+        {"equirect", EnvironmentLayout::kEquirect},
+        {"horizontal-cross", EnvironmentLayout::kHorizontalCross},
+        {"vertical-cross", EnvironmentLayout::kVerticalCross},
+        {"horizontal-strip", EnvironmentLayout::kHorizontalStrip},
+        {"vertical-strip", EnvironmentLayout::kVerticalStrip}};
+    EnvironmentLayout read = EnvironmentLayout::kAuto;
+    read_choice(layout, kLayouts, read);
+    const Value name = value["map"];
+    const bool names_file = name && name.type() != JsonType::kObject && !name.text().starts_with(kBuiltin);
+    if (auto* file = std::get_if<EnvironmentFile>(&map))
+      file->layout = read;
+    else if (!names_file)
+      faults_.add(ErrorCode::kUnprocessable, layout,
+                  "says how a map lies in its file, and the map is none; leave it out");
   }
 
   const AssetResolver& assets_;

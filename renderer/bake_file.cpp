@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <span>
 #include <system_error>
@@ -110,16 +111,53 @@ double scale_of(const Texts& texts, std::string_view name) {
   return scale;
 }
 
+// What tells whether a file is the one that is looked for.
+Texts identity_of(const ContentHash& key) {
+  return {{"furnace.layout", fmt::format("{}", kBakeFileLayout)},
+          {"furnace.bakeVersion", fmt::format("{}", kBakeVersion)},
+          {"furnace.key", key.hex()}};
+}
+
+std::string text_in(const Texts& texts, const std::string& name) {
+  const auto found = texts.find(name);
+  return found != texts.end() ? found->second : std::string();
+}
+
+void check_identity(const Texts& texts, const ContentHash& key) {
+  if (number_of<int>(texts, "furnace.layout") != kBakeFileLayout) fail_foreign("another layout");
+  if (number_of<int>(texts, "furnace.bakeVersion") != kBakeVersion) fail_foreign("another bake's version");
+  if (text_in(texts, "furnace.key") != key.hex()) fail_foreign("another bake's key");
+}
+
+void add_notes(const std::vector<Note>& notes, Texts& texts) {
+  texts["furnace.notes"] = fmt::format("{}", notes.size());
+  for (std::size_t i = 0; i < notes.size(); ++i) {
+    texts[fmt::format("furnace.note{}.code", i)] = notes[i].code;
+    texts[fmt::format("furnace.note{}.pointer", i)] = notes[i].pointer;
+    texts[fmt::format("furnace.note{}.message", i)] = notes[i].message;
+  }
+}
+
+std::vector<Note> notes_in(const Texts& texts) {
+  const auto count = number_of<std::int64_t>(texts, "furnace.notes");
+  if (count < 0 || count > kMostListed) fail_foreign("its counts");
+  std::vector<Note> notes;
+  for (std::int64_t i = 0; i < count; ++i) {
+    notes.push_back({text_in(texts, fmt::format("furnace.note{}.code", i)),
+                     text_in(texts, fmt::format("furnace.note{}.pointer", i)),
+                     text_in(texts, fmt::format("furnace.note{}.message", i))});
+  }
+  return notes;
+}
+
 // Writing and reading of every field; pictures apart.
 Texts texts_of(const ContentHash& key, const StoredBake& bake) {
   const PreparedEnvironment& environment = bake.environment;
   const OctahedralAtlas& atlas = environment.atlas;
   const EnvironmentSummary& summary = environment.summary;
   const RepairReport& repairs = summary.repairs;
-  Texts texts = {
-      {"furnace.layout", fmt::format("{}", kBakeFileLayout)},
-      {"furnace.bakeVersion", fmt::format("{}", kBakeVersion)},
-      {"furnace.key", key.hex()},
+  Texts texts = identity_of(key);
+  texts.merge(Texts{
       {"furnace.skyScale", fmt::format("{}", environment.sky.scale)},
       {"furnace.mapScale", fmt::format("{}", environment.map.scale)},
       {"furnace.atlasScale", fmt::format("{}", atlas.scale)},
@@ -127,6 +165,7 @@ Texts texts_of(const ContentHash& key, const StoredBake& bake) {
       {"furnace.levelTiles", text_of(numbers_of(atlas.level_tiles))},
       {"furnace.irradianceTile", text_of(numbers_of({atlas.irradiance_tile}))},
       {"furnace.summary.size", text_of<int>({summary.size.width, summary.size.height})},
+      {"furnace.summary.layout", fmt::format("{}", int(summary.layout))},
       {"furnace.summary.repairs",
        text_of<std::int64_t>({repairs.nan_samples, repairs.infinite_samples, repairs.negative_samples})},
       {"furnace.summary.mean", text_of<double>({summary.mean.begin(), summary.mean.end()})},
@@ -135,13 +174,8 @@ Texts texts_of(const ContentHash& key, const StoredBake& bake) {
       {"furnace.summary.bakeMs", fmt::format("{}", summary.bake_ms)},
       {"furnace.summary.suns", text_of(numbers_of(summary.suns))},
       {"furnace.summary.sunsExtracted", fmt::format("{}", int(summary.suns_extracted))},
-      {"furnace.notes", fmt::format("{}", bake.notes.size())},
-  };
-  for (std::size_t i = 0; i < bake.notes.size(); ++i) {
-    texts[fmt::format("furnace.note{}.code", i)] = bake.notes[i].code;
-    texts[fmt::format("furnace.note{}.pointer", i)] = bake.notes[i].pointer;
-    texts[fmt::format("furnace.note{}.message", i)] = bake.notes[i].message;
-  }
+  });
+  add_notes(bake.notes, texts);
   return texts;
 }
 
@@ -151,6 +185,9 @@ EnvironmentSummary summary_of(const Texts& texts) {
   const auto mean = numbers_of<double>(texts, "furnace.summary.mean", 3);
   EnvironmentSummary summary;
   summary.size = {size[0], size[1]};
+  const int layout = number_of<int>(texts, "furnace.summary.layout");
+  if (layout < 0 || layout > int(kLastEnvironmentLayout)) fail_foreign("its layout");
+  summary.layout = EnvironmentLayout(layout);
   summary.repairs = {repairs[0], repairs[1], repairs[2]};
   summary.mean = {mean[0], mean[1], mean[2]};
   summary.peak = number_of<double>(texts, "furnace.summary.peak");
@@ -164,13 +201,7 @@ EnvironmentSummary summary_of(const Texts& texts) {
 void read_texts(const Texts& texts, const ContentHash& key, StoredBake& bake) {
   PreparedEnvironment& environment = bake.environment;
   OctahedralAtlas& atlas = environment.atlas;
-  if (number_of<int>(texts, "furnace.layout") != kBakeFileLayout) fail_foreign("another layout");
-  if (number_of<int>(texts, "furnace.bakeVersion") != kBakeVersion) fail_foreign("another bake's version");
-  const auto text = [&](const std::string& name) {
-    const auto found = texts.find(name);
-    return found != texts.end() ? found->second : std::string();
-  };
-  if (text("furnace.key") != key.hex()) fail_foreign("another bake's key");
+  check_identity(texts, key);
   environment.key = key;
   environment.sky.key = key;
   environment.map.key = map_key_of(key);
@@ -181,42 +212,49 @@ void read_texts(const Texts& texts, const ContentHash& key, StoredBake& bake) {
   atlas.level_tiles = tiles_of(texts, "furnace.levelTiles", atlas.texels.extent);
   environment.summary = summary_of(texts);
   const auto irradiance = tiles_of(texts, "furnace.irradianceTile", atlas.texels.extent);
-  const auto notes = number_of<std::int64_t>(texts, "furnace.notes");
-  if (irradiance.size() != 1 || atlas.level_tiles.size() != atlas.level_roughness.size() || notes < 0 ||
-      std::max(std::int64_t(atlas.level_tiles.size()), notes) > kMostListed) {
+  if (irradiance.size() != 1 || atlas.level_tiles.size() != atlas.level_roughness.size() ||
+      std::int64_t(atlas.level_tiles.size()) > kMostListed) {
     fail_foreign("its counts");
   }
   atlas.irradiance_tile = irradiance.front();
-  for (std::int64_t i = 0; i < notes; ++i) {
-    bake.notes.push_back({text(fmt::format("furnace.note{}.code", i)),
-                          text(fmt::format("furnace.note{}.pointer", i)),
-                          text(fmt::format("furnace.note{}.message", i))});
-  }
+  bake.notes = notes_in(texts);
 }
 
-std::string checksum_of(const Texts& texts, const PreparedEnvironment& environment) {
+std::string checksum_of(const Texts& texts, std::initializer_list<const Image*> images) {
   HashBuilder sum;
   for (const auto& [name, text] : texts) {
     if (name != kChecksum) sum.add(name).add(text);
   }
-  for (const Image* image : {&environment.sky.texels, &environment.map.texels, &environment.atlas.texels}) {
+  for (const Image* image : images) {
     sum.add(std::int64_t(image->extent.width)).add(std::int64_t(image->extent.height));
     sum.add(std::span<const std::byte>(image->pixels));
   }
   return sum.finish().hex();
 }
 
+std::string checksum_of(const Texts& texts, const PreparedEnvironment& environment) {
+  return checksum_of(texts, {&environment.sky.texels, &environment.map.texels, &environment.atlas.texels});
+}
+
+void check_checksum(const Texts& texts, const std::string& checksum) {
+  if (text_in(texts, std::string(kChecksum)) != checksum) fail_foreign("its checksum");
+}
+
+std::string encode(const std::vector<NamedImage>& parts, Texts texts, const std::string& checksum) {
+  texts.emplace(kChecksum, checksum);
+  std::vector<TextField> attributes;
+  for (auto& [name, text] : texts) attributes.push_back({name, text});
+  return encode_exr_parts(parts, attributes);
+}
+
 }  // namespace
 
 std::string encode_bake(const ContentHash& key, const StoredBake& bake) {
   const PreparedEnvironment& environment = bake.environment;
-  Texts texts = texts_of(key, bake);
-  texts.emplace(kChecksum, checksum_of(texts, environment));
-  std::vector<TextField> attributes;
-  for (auto& [name, text] : texts) attributes.push_back({name, text});
+  const Texts texts = texts_of(key, bake);
   std::vector<NamedImage> parts = {{"sky", &environment.sky.texels}, {"atlas", &environment.atlas.texels}};
   if (environment.summary.suns_extracted) parts.push_back({"map", &environment.map.texels});
-  return encode_exr_parts(parts, attributes);
+  return encode(parts, texts, checksum_of(texts, environment));
 }
 
 StoredBake decode_bake(const ContentHash& key, std::string_view file) {
@@ -238,10 +276,28 @@ StoredBake decode_bake(const ContentHash& key, std::string_view file) {
     fail_foreign("its parts are not sky, atlas and map");
   read_texts(parts.attributes, key, bake);
   if (absent(environment.map.texels) == environment.summary.suns_extracted) fail_foreign("its map");
-  const auto claimed = parts.attributes.find(kChecksum);
-  if (claimed == parts.attributes.end() || claimed->second != checksum_of(parts.attributes, environment))
-    fail_foreign("its checksum");
+  check_checksum(parts.attributes, checksum_of(parts.attributes, environment));
   return bake;
+}
+
+std::string encode_background(const ContentHash& key, const StoredBackground& background) {
+  const PreparedSky& sky = background.sky;
+  Texts texts = identity_of(key);
+  texts["furnace.skyScale"] = fmt::format("{}", sky.scale);
+  add_notes(background.notes, texts);
+  return encode({{"background", &sky.texels}}, texts, checksum_of(texts, {&sky.texels}));
+}
+
+StoredBackground decode_background(const ContentHash& key, std::string_view file) {
+  ExrParts parts = decode_exr_parts(std::as_bytes(std::span(file)), kLimits);
+  const auto found = parts.images.find("background");
+  if (parts.images.size() != 1 || found == parts.images.end()) fail_foreign("its part is not background");
+  check_identity(parts.attributes, key);
+  StoredBackground background;
+  background.sky = {key, std::move(found->second), scale_of(parts.attributes, "furnace.skyScale")};
+  background.notes = notes_in(parts.attributes);
+  check_checksum(parts.attributes, checksum_of(parts.attributes, {&background.sky.texels}));
+  return background;
 }
 
 }  // namespace furnace

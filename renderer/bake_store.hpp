@@ -1,4 +1,4 @@
-// Baked environments kept on disk, so that a restart does not bake again what was baked before.
+// Baked environments and backgrounds kept on disk, so that a restart does not bake or blur again what was before.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace furnace {
 
-// FOLDER/bakes/vN/KEY.exr, one file a bake (bake_file.hpp), N the version of its layout. As FileStore otherwise.
+// FOLDER/bakes/vN/KEY.exr, one file a bake or background (bake_file.hpp), N the version of its layout. As FileStore otherwise.
 // Threads: any. Owns: the files below FOLDER/bakes; one object per folder and process.
 class BakeStore {
  public:
@@ -23,6 +23,12 @@ class BakeStore {
   }
   bool save(const ContentHash& key, const StoredBake& bake) {
     return files_.save(key, [&] { return encode_bake(key, bake); });
+  }
+  std::optional<StoredBackground> load_background(const ContentHash& key) {
+    return files_.load(key, [&](const std::string& file) { return decode_background(key, file); });
+  }
+  bool save_background(const ContentHash& key, const StoredBackground& background) {
+    return files_.save(key, [&] { return encode_background(key, background); });
   }
 
   FileStore::Stats stats() const { return files_.stats(); }

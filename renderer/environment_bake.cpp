@@ -38,9 +38,10 @@ EnvironmentBake bake_whole_environment(const Blob& encoded, const EnvironmentBak
                                        WorkerPool& pool, Decoder& decoder, const Deadline& deadline) {
   EnvironmentBake bake;
   const Clock::time_point decode_start = Clock::now();
-  DecodedEnvironment decoded = decoder.environment(encoded, settings.limits, deadline);
+  DecodedEnvironment decoded = decoder.environment(encoded, settings.layout, settings.limits, deadline);
   bake.decode_ms = ms_since(decode_start);
   bake.repairs = decoded.repairs;
+  bake.layout = decoded.layout;
   bake.size = decoded.equirect.extent;
   const Clock::time_point bake_start = Clock::now();
   bake.suns_extracted = settings.sun == SunMode::kExtract;

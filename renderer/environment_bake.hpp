@@ -21,6 +21,7 @@ enum class IrradianceMethod { kSpectral, kRiemann };
 struct EnvironmentBakeSettings {
   IrradianceMethod irradiance = IrradianceMethod::kSpectral;
   SunMode sun = SunMode::kKeep;  // kAuto is kKeep
+  EnvironmentLayout layout = EnvironmentLayout::kAuto;
   DecodeLimits limits{8192, 8192ll * 4096};
   BakeProgress progress = {};  // 0 .. 1, of the spectral bake
 };
@@ -35,6 +36,7 @@ struct EnvironmentMap {
 // Threads: immutable. Owns: its maps.
 struct EnvironmentBake {
   Extent size;
+  EnvironmentLayout layout = EnvironmentLayout::kEquirect;  // of the file
   RepairReport repairs;
   std::vector<Sun> suns;        // found in the map
   bool suns_extracted = false;  // the maps are those of the residual

@@ -118,7 +118,8 @@ PreparedSky prepare_sky(const Image& radiance, const ContentHash& key, WorkerPoo
 }
 
 PreparedEnvironment prepare_environment(Image radiance, bool extracts_suns, const ContentHash& key,
-                                        WorkerPool& pool, const Deadline& deadline) {
+                                        WorkerPool& pool, const Deadline& deadline,
+                                        const BakeProgress& progress) {
   PreparedEnvironment out;
   EnvironmentSummary& summary = out.summary;
   out.key = key;
@@ -131,7 +132,7 @@ PreparedEnvironment prepare_environment(Image radiance, bool extracts_suns, cons
     radiance = std::move(extraction.residual);
   }
   const auto shared = std::make_shared<const Image>(std::move(radiance));
-  const auto baked = bake_environment(shared, key, pool, deadline);
+  const auto baked = bake_environment(shared, key, pool, deadline, {.progress = progress});
   out.atlas = make_octahedral_atlas(*baked, pool);
   out.sky = prepare_sky(*shared, key, pool);
   summary.size = shared->extent;

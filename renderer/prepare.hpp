@@ -4,10 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "renderer/base/worker_pool.hpp"
-#include "renderer/image/decode.hpp"
 #include "renderer/residency/prepared_scene.hpp"
+#include "renderer/ibl/bake_work.hpp"
 #include "renderer/scene/decoder.hpp"
+#include "renderer/image/decode.hpp"
+#include "renderer/base/worker_pool.hpp"
 
 namespace furnace {
 
@@ -28,6 +29,7 @@ PreparedSky prepare_sky(const Image& radiance, const ContentHash& key, WorkerPoo
 // Bakes `radiance` (RGB kFloat32 equirect), or what its suns leave, and converts it to half floats with its own power-of-two
 // scale.
 PreparedEnvironment prepare_environment(Image radiance, bool extracts_suns, const ContentHash& key,
-                                        WorkerPool& pool, const Deadline& deadline);
+                                        WorkerPool& pool, const Deadline& deadline,
+                                        const BakeProgress& progress = {});
 
 }  // namespace furnace

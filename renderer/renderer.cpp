@@ -205,7 +205,8 @@ struct Renderer::State {
         scenes(within(contexts.limits(), config), pool, decoder),
         max_tile_px(config.max_tile_px) {}
 
-  Film render(const RenderSpec& spec, ContextPool::Lease& context, const Deadline& deadline);
+  Film render(const RenderSpec& spec, ContextPool::Lease& context, const Deadline& deadline,
+              const TellStage& tell);
 
   void compare_probe(const ContentHash& pixels) {
     const std::lock_guard lock(probe_mutex);
@@ -238,19 +239,21 @@ Renderer::Renderer(const RendererConfig& config, WorkerPool& pool, Decoder& deco
 
 Renderer::~Renderer() = default;
 
-Film Renderer::render(const RenderSpec& spec, const Deadline& deadline) {
+Film Renderer::render(const RenderSpec& spec, const Deadline& deadline, const TellStage& tell) {
   ContextPool::Lease context = state_->contexts.lease(affinity_of(spec));
-  return state_->render(spec, context, deadline);
+  return state_->render(spec, context, deadline, tell);
 }
 
-Film Renderer::State::render(const RenderSpec& spec, ContextPool::Lease& context, const Deadline& deadline) {
+Film Renderer::State::render(const RenderSpec& spec, ContextPool::Lease& context, const Deadline& deadline,
+                             const TellStage& tell) {
   Film film;
   GlOutcome outcome;
   // Twice is rare (an eviction or a reset between two steps), more is a fault.
   constexpr int kTries = 3;
   for (int attempt = 1;; ++attempt) {
     context.begin(deadline);
-    Preparation preparation = scenes.prepare(spec, context.resident(), deadline, film.times);
+    Preparation preparation = scenes.prepare(spec, context.resident(), deadline, tell, film.times);
+    if (tell) tell("draw", 0);
     Framing framing(spec, preparation);
     Views views{framing.middle(), {}};
     for (const PreparedMoment& moment : preparation.moments)
@@ -317,7 +320,7 @@ EnvironmentAnswer Renderer::environment(const EnvironmentSpec& spec, const Deadl
 bool Renderer::probe(const Deadline& deadline) {
   for (std::size_t i = 0; i < state_->contexts.size(); ++i) {
     ContextPool::Lease context = state_->contexts.lease(i);
-    const Film film = state_->render(probe_spec(), context, deadline);
+    const Film film = state_->render(probe_spec(), context, deadline, {});
     // A white furnace: whatever is drawn, every pixel is 1.
     const auto right = [](float value) { return std::abs(value - 1) <= 5e-3f; };
     const auto pixels = film.image.samples<float>();

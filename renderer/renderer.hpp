@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "renderer/base/budget_cache.hpp"
@@ -49,6 +51,10 @@ struct StageTimes {
   bool bake_from_disk = false;  // with bake_hit: it was not in memory
 };
 
+// Hears what a picture waits for ("bake", "draw": constants) and how much of it is done, 0 where that is not known; on the
+// thread that asked for it. May throw to end it.
+using TellStage = std::function<void(std::string_view stage, double share)>;
+
 // A finished picture before encoding.
 struct Film {
   // PNG, JPEG, WebP: kUint8 (or kUint16) kSrgb, RGB (opaque background) or RGBA straight alpha. EXR: kFloat16/32 kLinear, RGB or RGBA premultiplied.
@@ -92,7 +98,7 @@ class Renderer {
   ~Renderer();
 
   // Errors: those of import, decode, bake, framing; kDeadlineExceeded; kGpuUnavailable.
-  Film render(const RenderSpec& spec, const Deadline& deadline);
+  Film render(const RenderSpec& spec, const Deadline& deadline, const TellStage& tell = {});
 
   // What a camera must see of a picture's scene, and how long its clips are. Errors: those of import; of outline_of.
   SceneOutline outline(const RenderSpec& spec, const Deadline& deadline);

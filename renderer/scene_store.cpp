@@ -262,14 +262,14 @@ void SceneStore::prepare_textures(const ResidentKeys& resident, const Deadline& 
 
 EnvironmentAnswer SceneStore::environment_summary(const EnvironmentSpec& spec, const Deadline& deadline) {
   StageTimes times;
-  const auto found = environments_.baked(spec.map, spec.sun, deadline, times);
+  const auto found = environments_.baked(spec.map, spec.sun, deadline, {}, times);
   return {found->environment.summary, times.bake_hit};
 }
 
-void SceneStore::prepare_environment(const RenderSpec& spec, const Deadline& deadline, StageTimes& times,
-                                     Preparation& out) {
+void SceneStore::prepare_environment(const RenderSpec& spec, const Deadline& deadline, const TellStage& tell,
+                                     StageTimes& times, Preparation& out) {
   const EnvironmentSpec& wanted = spec.environment;
-  const auto baked = environments_.baked(wanted.map, wanted.sun, deadline, times);
+  const auto baked = environments_.baked(wanted.map, wanted.sun, deadline, tell, times);
   out.notes.insert(out.notes.end(), baked->notes.begin(), baked->notes.end());
   const PreparedEnvironment& environment = baked->environment;
   PreparedScene& scene = out.scene;
@@ -291,8 +291,11 @@ void SceneStore::prepare_environment(const RenderSpec& spec, const Deadline& dea
     if (!seen->map && seen->blur_rad == 0) {
       scene.background = std::shared_ptr<const PreparedSky>(baked, &environment.seen());
     } else {
-      scene.background =
+      const auto background =
           environments_.background(seen->map.value_or(wanted.map), seen->blur_rad, deadline, times);
+      scene.background = std::shared_ptr<const PreparedSky>(background, &background->sky);
+      // Those of the environment's own map were told.
+      if (seen->map) out.notes.insert(out.notes.end(), background->notes.begin(), background->notes.end());
     }
   }
   if (const int views = sky_views_wanted(spec); views > 0) {
@@ -330,7 +333,7 @@ void SceneStore::prepare_grounds(const RenderSpec& spec, const ResidentKeys& res
 }
 
 Preparation SceneStore::prepare(const RenderSpec& spec, const ResidentKeys& resident,
-                                const Deadline& deadline, StageTimes& times) {
+                                const Deadline& deadline, const TellStage& tell, StageTimes& times) {
   Preparation out;
   std::vector<PreparedMesh> meshes;
   {
@@ -350,7 +353,7 @@ Preparation SceneStore::prepare(const RenderSpec& spec, const ResidentKeys& resi
     prepare_textures(resident, deadline, times.decode_hit, out);
   }
   check_deadline(deadline, "bake");
-  prepare_environment(spec, deadline, times, out);
+  prepare_environment(spec, deadline, tell, times, out);
   if (!out.scene.sky_lights.empty()) prepare_occluders(resident, meshes);
   std::map<ContentHash, const PreparedMesh*> mesh_of;
   for (const PreparedMesh& mesh : meshes) mesh_of.emplace(mesh.key, &mesh);

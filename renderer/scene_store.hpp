@@ -36,7 +36,7 @@ class SceneStore {
   // Decodes what is neither cached nor `resident` on the GPU. Adds to decode_ms and bake_ms of `times`.
   // Errors: those of import, composition, decoding and baking, with pointers into the request or the model.
   Preparation prepare(const RenderSpec& spec, const ResidentKeys& resident, const Deadline& deadline,
-                      StageTimes& times);
+                      const TellStage& tell, StageTimes& times);
 
   // Imports and composes what is not cached, decodes nothing. Errors: those of import and composition.
   std::shared_ptr<const ComposedScene> composed(const SceneSpec& spec, const Deadline& deadline);
@@ -57,8 +57,8 @@ class SceneStore {
   std::vector<PreparedMesh> prepare_meshes(const ResidentKeys& resident, const Preparation& out);
   void prepare_occluders(const ResidentKeys& resident, std::vector<PreparedMesh>& meshes);
   void prepare_textures(const ResidentKeys& resident, const Deadline& deadline, bool& hit, Preparation& out);
-  void prepare_environment(const RenderSpec& spec, const Deadline& deadline, StageTimes& times,
-                           Preparation& out);
+  void prepare_environment(const RenderSpec& spec, const Deadline& deadline, const TellStage& tell,
+                           StageTimes& times, Preparation& out);
   void prepare_grounds(const RenderSpec& spec, const ResidentKeys& resident, StageTimes& times,
                        Preparation& out);
 

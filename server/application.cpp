@@ -225,8 +225,7 @@ Application::Application(const Config& config)
              config_.max_bundle_bytes},
       job_runner_(
           jobs_,
-          [this](const JobRequest& request, const Deadline& deadline,
-                 const RenderService::Progress& progress) {
+          [this](const JobRequest& request, const Deadline& deadline, const TellProgress& progress) {
             return draw_job(doors_, request, deadline, progress);
           },
           {config_.job_threads, milliseconds(config_.job_timeout_ms), milliseconds(config_.job_deadline_ms)},

@@ -90,7 +90,7 @@ bool ends_the_batch(const Error& error) {
 }
 
 api::StoredRender draw_planned(const Doors& doors, const Plan& planned, const Deadline& deadline,
-                               const RenderService::Progress& progress) {
+                               const TellProgress& progress) {
   const auto count = int(planned.items.size());
   std::optional<ContactSheetPicture> sheet;
   if (planned.sheet) sheet.emplace(count, planned.sheet->columns, planned.sheet->cell_px);
@@ -103,7 +103,10 @@ api::StoredRender draw_planned(const Doors& doors, const Plan& planned, const De
   for (const auto& [item, spec] : planned.items) {
     api::BatchOutcome outcome{item, {}, {}, {}};
     try {
-      const Rendered rendered = doors.service.render(spec, deadline);
+      const auto tell = [&](const RenderProgress& item_has) {
+        if (progress) progress({int(outcomes.size()), count, item_has.stage, item_has.share});
+      };
+      const Rendered rendered = doors.service.render(spec, deadline, tell);
       outcome.file = fmt::format("{}.{}", item.name, ending_of(spec.output));
       outcome.notes = rendered.image->notes;
       batch.frames += rendered.image->frames;
@@ -116,7 +119,7 @@ api::StoredRender draw_planned(const Doors& doors, const Plan& planned, const De
       outcome.problem = api::problem_json(error, item.name);
     }
     outcomes.push_back(std::move(outcome));
-    if (progress) progress(int(outcomes.size()), count);
+    if (progress) progress({int(outcomes.size()), count});
   }
   if (files.empty() && first_error) throw *std::move(first_error);
   if (sheet) files.push_back({std::string(api::kContactSheetFile), encode_png(sheet->image(), {})});
@@ -128,7 +131,7 @@ api::StoredRender draw_planned(const Doors& doors, const Plan& planned, const De
 }  // namespace
 
 api::StoredRender draw_batch(const Doors& doors, const RequestBody& body, const Deadline& deadline,
-                             const RenderService::Progress& progress) {
+                             const TellProgress& progress) {
   return draw_planned(doors, plan(doors, body, deadline), deadline, progress);
 }
 

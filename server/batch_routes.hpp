@@ -13,7 +13,7 @@ inline constexpr std::string_view kBatches = "/v1/batches";
 // goes on; when none can be, the first one's error is thrown. Hears how many are done.
 // Errors: those of parse_batch and of parse_spec; kOverloaded, kDeadlineExceeded.
 api::StoredRender draw_batch(const Doors& doors, const RequestBody& body, const Deadline& deadline,
-                             const RenderService::Progress& progress);
+                             const TellProgress& progress);
 
 Reply post_batch(const Doors& doors, const Request& request);
 

@@ -36,6 +36,7 @@ api::EnvironmentReport report_of(const std::string& name, const Blob& encoded,
   report.sha256 = encoded.hash().hex();
   report.width = summary.size.width;
   report.height = summary.size.height;
+  report.layout = name_of(summary.layout);
   report.peak = summary.peak;
   report.mean = summary.mean;
   report.horizontal_illuminance_lux = summary.horizontal_illuminance_lux;
@@ -57,6 +58,7 @@ api::EnvironmentReport report_of(const std::string& name, const Blob& encoded, c
   report.sha256 = encoded.hash().hex();
   report.width = bake.size.width;
   report.height = bake.size.height;
+  report.layout = name_of(bake.layout);
   report.peak = bake.maps->peak;
   report.mean = bake.maps->mean;
   report.horizontal_illuminance_lux = horizontal_illuminance_lux(*bake.maps);

@@ -15,8 +15,10 @@ api::JobReport report_of(const Job& job) {
   report.created_ms = job.created_ms;
   report.started_ms = job.started_ms;
   report.finished_ms = job.finished_ms;
-  report.frames_done = job.frames_done;
-  report.frames = job.frames;
+  report.frames_done = job.progress.frames_done;
+  report.frames = job.progress.frames;
+  report.stage = job.progress.stage;
+  report.share = job.progress.share;
   report.problem = job.problem;
   if (job.status == JobStatus::kSucceeded) report.result = job_location(job.id) + std::string(kJobResult);
   return report;

@@ -143,7 +143,7 @@ std::chrono::milliseconds JobRunner::time_for(const std::string& id) {
 std::string JobRunner::run(const JobWork& work, std::stop_token cancel) {
   const log::RequestScope scope({work.id, {}, {}});
   log::info("job.begin", {{"id", work.id}});
-  const auto progress = [&](int done, int of) { store_.tell_progress(work.id, done, of); };
+  const auto progress = [&](const RenderProgress& now) { store_.tell_progress(work.id, now); };
   try {
     return work_(work.request, Deadline(time_for(work.id), std::move(cancel)), progress);
   } catch (const Error&) {

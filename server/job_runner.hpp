@@ -13,6 +13,7 @@
 
 #include "renderer/base/deadline.hpp"
 #include "server/job_store.hpp"
+#include "server/render_progress.hpp"
 
 namespace furnace {
 
@@ -30,7 +31,7 @@ class JobRunner {
  public:
   // What is to be kept as the job's result. Hears how far it is; may throw an Error.
   using Work = std::function<std::string(const JobRequest& request, const Deadline& deadline,
-                                         const std::function<void(int done, int of)>& progress)>;
+                                         const TellProgress& progress)>;
 
   // `ended` is called after a job has ended, on the thread that ended it.
   JobRunner(JobStore& store, Work work, const JobRunnerConfig& config, std::function<void()> ended = {});

@@ -142,7 +142,7 @@ struct JobStore::Database : Sqlite {
 
   struct Progress {
     std::string id;
-    int done = 0, of = 0;
+    RenderProgress now;
   };
 
   std::optional<DeliveryTable> deliveries;
@@ -260,7 +260,7 @@ std::optional<JobWork> JobStore::begin(std::int64_t now_ms) {
       .bind(std::string_view(work.id))
       .step();
   whole.commit();
-  db.progress.push_back({work.id, 0, 0});
+  db.progress.push_back({work.id, {}});
   return work;
 }
 
@@ -273,10 +273,10 @@ void JobStore::put_back(const std::string& id) {
   std::erase_if(database_->progress, [&](const auto& p) { return p.id == id; });
 }
 
-void JobStore::tell_progress(const std::string& id, int frames_done, int frames) {
+void JobStore::tell_progress(const std::string& id, const RenderProgress& now) {
   const std::lock_guard lock(mutex_);
   for (Database::Progress& progress : database().progress)
-    if (progress.id == id) progress = {id, frames_done, frames};
+    if (progress.id == id) progress.now = now;
 }
 
 void JobStore::succeed(const std::string& id, std::string_view result, std::int64_t now_ms) {
@@ -312,7 +312,7 @@ std::optional<Job> JobStore::find(const std::string& id) {
   const std::lock_guard lock(mutex_);
   std::optional<Job> job = database().find("id", id);
   for (const Database::Progress& progress : database().progress)
-    if (job && progress.id == id) job->frames_done = progress.done, job->frames = progress.of;
+    if (job && progress.id == id) job->progress = progress.now;
   return job;
 }
 

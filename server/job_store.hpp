@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "server/delivery_table.hpp"
+#include "server/render_progress.hpp"
 
 namespace furnace {
 
@@ -37,7 +38,7 @@ struct Job {
   JobStatus status = JobStatus::kQueued;
   int priority = 0;
   std::int64_t created_ms = 0, started_ms = 0, finished_ms = 0;  // since the epoch; 0: not yet
-  int frames_done = 0, frames = 0;                               // frames 0: not known
+  RenderProgress progress = {};                                  // of what runs
   int attempts = 0;                                              // begun, this one included
   std::string problem;                                           // problem document, of one that failed
   std::optional<DeliveryState> delivery = {};                    // of its webhook
@@ -79,7 +80,7 @@ class JobStore {
   std::optional<JobWork> begin(std::int64_t now_ms);
   // Gives back what was begun: the process ends.
   void put_back(const std::string& id);
-  void tell_progress(const std::string& id, int frames_done, int frames);
+  void tell_progress(const std::string& id, const RenderProgress& progress);
   // No effect on a job that is not running: it may have been cancelled meanwhile.
   void succeed(const std::string& id, std::string_view result, std::int64_t now_ms);
   void fail(const std::string& id, std::string_view problem, std::int64_t now_ms);

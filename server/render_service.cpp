@@ -140,12 +140,13 @@ api::StoredRender RenderService::finish(const RenderSpec& spec, Film film, const
 }
 
 api::StoredRender RenderService::draw_sequence(const RenderSpec& spec, const Deadline& deadline,
-                                               const Progress& progress, StageTimes& times) {
+                                               const TellProgress& progress, StageTimes& times) {
   const bool is_archive = spec.output.sequence->container == Sequence::Container::kArchive;
   api::StoredRender sequence;
   sequence.media_type = api::media_type_of(spec.output);
   std::unique_ptr<AnimationEncoder> animation;
   std::vector<ArchiveFile> files;
+  int done = 0, frames = 0;
   const auto take = [&](int i, int count, const RenderSpec& frame, Film film) {
     if (i == 0) {
       sequence.exposure_ev = film.exposure_ev;
@@ -166,27 +167,36 @@ api::StoredRender RenderService::draw_sequence(const RenderSpec& spec, const Dea
       frame_times.encode_ms = milliseconds_since(encoding);
     }
     add_times(frame_times, times);
-    if (progress) progress(i + 1, count);
+    done = i + 1;
+    frames = count;
+    if (progress) progress({done, frames});
   };
-  draw_frames(painter_, spec, limits_, deadline, take);
+  const TellStage tell = [&](std::string_view stage, double share) {
+    if (progress) progress({done, frames, stage, share});
+  };
+  draw_frames(painter_, spec, limits_, deadline, tell, take);
   pool_.run(Lane::kEncode, [&] { sequence.bytes = is_archive ? zip_archive(files) : animation->finish(); });
   return sequence;
 }
 
 api::StoredRender RenderService::draw(const RenderSpec& spec, const Deadline& deadline,
-                                      const Progress& progress, StageTimes& times) {
+                                      const TellProgress& progress, StageTimes& times) {
   const auto asked = Clock::now();
   const Admission::Seat seat = admission_.enter(deadline);
   const double queue_ms = milliseconds_since(asked);
+  const TellStage tell = [&](std::string_view stage, double share) {
+    if (progress) progress({0, 0, stage, share});
+  };
   api::StoredRender image = spec.output.sequence
                                 ? draw_sequence(spec, deadline, progress, times)
-                                : finish(spec, painter_.render(spec, deadline), deadline, times);
+                                : finish(spec, painter_.render(spec, deadline, tell), deadline, times);
   times.queue_ms = queue_ms;
   image.report = report_of(spec, image, times);
   return image;
 }
 
-Rendered RenderService::render(const RenderSpec& spec, const Deadline& deadline, const Progress& progress) {
+Rendered RenderService::render(const RenderSpec& spec, const Deadline& deadline,
+                               const TellProgress& progress) {
   check_output(spec);
   Rendered out;
   auto found =
@@ -199,10 +209,11 @@ Rendered RenderService::render(const RenderSpec& spec, const Deadline& deadline,
 void RenderService::render_frames(const RenderSpec& spec, const Deadline& deadline, const TakeFrame& take) {
   check_output(spec);
   const Admission::Seat seat = admission_.enter(deadline);
-  draw_frames(painter_, spec, limits_, deadline, [&](int i, int count, const RenderSpec& frame, Film film) {
-    StageTimes times;
-    take(i, count, finish(frame, std::move(film), deadline, times));
-  });
+  draw_frames(painter_, spec, limits_, deadline, {},
+              [&](int i, int count, const RenderSpec& frame, Film film) {
+                StageTimes times;
+                take(i, count, finish(frame, std::move(film), deadline, times));
+              });
 }
 
 }  // namespace furnace

@@ -12,6 +12,7 @@
 #include "server/admission.hpp"
 #include "server/painter.hpp"
 #include "server/render_cache.hpp"
+#include "server/render_progress.hpp"
 #include "server/sequence_render.hpp"
 
 namespace furnace {
@@ -28,8 +29,6 @@ std::vector<api::RenderReport::Stage> stages_of(const StageTimes& times);
 // Threads: any. Owns: nothing; Renderer, Admission, WorkerPool and RenderCache outlive it.
 class RenderService {
  public:
-  // Hears how far a sequence has come, on the thread that called; may throw to end it.
-  using Progress = std::function<void(int frames_done, int frames)>;
   // Takes the frames of a sequence in their order.
   using TakeFrame = std::function<void(int frame, int frames, const api::StoredRender& image)>;
 
@@ -42,7 +41,7 @@ class RenderService {
   // The file that `spec` asks for: a picture, or a sequence in its container; drawn, unless it is kept or another is drawing
   // it. Errors: kOverloaded at once when the queue is full; those of Renderer::render and of draw_frames; kUnprocessable with
   // one problem per Note under spec.strict.
-  Rendered render(const RenderSpec& spec, const Deadline& deadline, const Progress& progress = {});
+  Rendered render(const RenderSpec& spec, const Deadline& deadline, const TellProgress& progress = {});
 
   // Each frame of a sequence as a file of its own, drawn in any case. Errors: as render; what `take` throws.
   void render_frames(const RenderSpec& spec, const Deadline& deadline, const TakeFrame& take);
@@ -57,11 +56,11 @@ class RenderService {
   const std::string& fingerprint() const { return painter_.fingerprint; }
 
  private:
-  api::StoredRender draw(const RenderSpec& spec, const Deadline& deadline, const Progress& progress,
+  api::StoredRender draw(const RenderSpec& spec, const Deadline& deadline, const TellProgress& progress,
                          StageTimes& times);
   api::StoredRender finish(const RenderSpec& spec, Film film, const Deadline& deadline, StageTimes& times);
-  api::StoredRender draw_sequence(const RenderSpec& spec, const Deadline& deadline, const Progress& progress,
-                                  StageTimes& times);
+  api::StoredRender draw_sequence(const RenderSpec& spec, const Deadline& deadline,
+                                  const TellProgress& progress, StageTimes& times);
   std::string report_of(const RenderSpec& spec, const api::StoredRender& image,
                         const StageTimes& times) const;
   std::vector<TextField> metadata_of(const RenderSpec& spec) const;

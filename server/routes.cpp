@@ -284,7 +284,7 @@ RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Do
 }
 
 std::string draw_job(const Doors& doors, const JobRequest& job, const Deadline& deadline,
-                     const RenderService::Progress& progress) {
+                     const TellProgress& progress) {
   Request request;
   request.headers = {{"Content-Type", job.content_type}};
   request.body = job.body;

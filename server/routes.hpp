@@ -76,7 +76,7 @@ RenderSpec parse_spec(const RequestBody& body, std::string_view accept, const Do
 // A job's work: the request is understood and drawn as POST /v1/renders would. The result is as encode_stored_render writes it.
 // Errors: those of that door.
 std::string draw_job(const Doors& doors, const JobRequest& request, const Deadline& deadline,
-                     const RenderService::Progress& progress);
+                     const TellProgress& progress);
 
 // The picture of a document as POST /v1/renders answers it, or 304. Errors: those of api::parse_render_request and of
 // RenderService::render; kNotAcceptable.

@@ -28,7 +28,7 @@ void check_limits(const RenderSpec& spec, int frames, const SequenceLimits& limi
 }  // namespace
 
 void draw_frames(const Painter& painter, const RenderSpec& spec, const SequenceLimits& limits,
-                 const Deadline& deadline, const TakeFilm& take) {
+                 const Deadline& deadline, const TellStage& tell, const TakeFilm& take) {
   const Sequence& sequence = *spec.output.sequence;
   const double longest_s = sequence.frames ? 0 : painter.outline(spec, deadline).longest_clip_s;
   const int count = frame_count(sequence, longest_s);
@@ -45,7 +45,7 @@ void draw_frames(const Painter& painter, const RenderSpec& spec, const SequenceL
   }
   for (int i = 0; i < count; ++i) {
     RenderSpec& frame = frames[std::size_t(i)];
-    Film film = painter.render(frame, deadline);
+    Film film = painter.render(frame, deadline, tell);
     if (i == 0 && std::holds_alternative<AutoExposure>(spec.camera.metering)) {
       for (RenderSpec& later : frames) {
         later.camera.metering = UnmeteredExposure{};

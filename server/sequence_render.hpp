@@ -16,9 +16,9 @@ struct SequenceLimits {
 // Takes each frame with the request that it is of.
 using TakeFilm = std::function<void(int frame, int frames, const RenderSpec& request, Film film)>;
 
-// Every scene is imported before the first is drawn, where the camera's place depends on all of them. Automatic exposure is that
+// `tell` hears of each frame's stages. Every scene is imported before the first is drawn, where the camera's place depends on all of them. Automatic exposure is that
 // of the first frame. Errors: those of the painter; kTooLarge at /output/sequence; what `take` throws.
 void draw_frames(const Painter& painter, const RenderSpec& spec, const SequenceLimits& limits,
-                 const Deadline& deadline, const TakeFilm& take);
+                 const Deadline& deadline, const TellStage& tell, const TakeFilm& take);
 
 }  // namespace furnace

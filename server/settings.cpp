@@ -213,7 +213,7 @@ constexpr std::array kSettings = {
     number("map-cache", &Config::map_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,
            "maps of named environments kept in memory for download"),
     number("disk-cache", &Config::disk_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,
-           "baked environments kept below --data"),
+           "baked environments, and such backgrounds, kept below --data"),
     number("environments", &Config::environments_bytes, Unit::kBytes, 0, 64 * kGiB,
            "files of all named environments together"),
     number("gpu-cache", &Config::gpu_cache_bytes, Unit::kBytes, 0, 1024 * kGiB,

@@ -58,13 +58,10 @@ StoredBake make_bake(int number, Extent sky = {32, 16}, Extent atlas = {40, 52})
                             {0.1, 1.0 / 3, 1},
                             {{1, 1, 16}, {19, 1, 16}, {1, 19, 20}},
                             {23, 19, 8}};
-  bake.environment.summary = {{4096, 2048},
-                              {1, 2, 3},
-                              {0.1, 0.2, 1e-30},
-                              65504.25,
-                              1.0 / 7,
-                              812.5,
-                              {{{0.6, 0.8, 0}, {1e5, 2e4, 1.0 / 3}, 0.0047, 7e-5, 118272}},
+  bake.environment.summary = {{4096, 2048}, EnvironmentLayout::kVerticalCross,
+                              {1, 2, 3},    {0.1, 0.2, 1e-30},
+                              65504.25,     1.0 / 7,
+                              812.5,        {{{0.6, 0.8, 0}, {1e5, 2e4, 1.0 / 3}, 0.0047, 7e-5, 118272}},
                               true};
   bake.notes = {{"environment-repaired", "/environment/map", std::string("all\0bytes \xff \n", 13)},
                 {"", "", ""}};

@@ -10,9 +10,9 @@ class InProcessDecoder : public Decoder {
                          const Deadline&) override {
     return decode_texture(file, color_space, limits);
   }
-  DecodedEnvironment environment(std::span<const std::byte> file, const DecodeLimits& limits,
-                                 const Deadline&) override {
-    return decode_environment(file, limits);
+  DecodedEnvironment environment(std::span<const std::byte> file, EnvironmentLayout layout,
+                                 const DecodeLimits& limits, const Deadline&) override {
+    return decode_environment(file, limits, layout);
   }
   DracoMesh draco(std::span<const std::byte> bytes, const DracoRequest& request, const Deadline&) override {
     return decode_draco(bytes, request);

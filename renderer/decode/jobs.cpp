@@ -83,6 +83,8 @@ std::int64_t EnvironmentJob::largest_result_bytes() const {
 bool EnvironmentJob::accepts(const DecodedEnvironment& environment) const {
   const Image& map = environment.equirect;
   const RepairReport& repairs = environment.repairs;
+  const bool is_asked_for = layout == EnvironmentLayout::kAuto || environment.layout == layout;
+  if (environment.layout == EnvironmentLayout::kAuto || !is_asked_for) return false;
   if (map.channels != 3 || map.type != SampleType::kFloat32 || map.color_space != ColorSpace::kLinear)
     return false;
   if (!is_whole(map, limits) || map.extent.width != 2 * std::int64_t{map.extent.height}) return false;

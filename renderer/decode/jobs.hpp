@@ -46,8 +46,9 @@ struct EnvironmentJob {
   static constexpr std::string_view kName = "environment";
 
   DecodeLimits limits;
+  EnvironmentLayout layout = EnvironmentLayout::kAuto;
 
-  DecodedEnvironment run(Bytes file) const { return decode_environment(file, limits); }
+  DecodedEnvironment run(Bytes file) const { return decode_environment(file, limits, layout); }
   std::int64_t largest_result_bytes() const;
   bool accepts(const DecodedEnvironment& environment) const;
 };
@@ -147,9 +148,10 @@ void fields(Wire& wire, WireValue<Wire, RepairReport>& repairs) {
 
 template <class Wire>
 void fields(Wire& wire, WireValue<Wire, DecodedEnvironment>& environment) {
-  auto& [equirect, repairs] = environment;
+  auto& [equirect, repairs, layout] = environment;
   fields(wire, equirect);
   fields(wire, repairs);
+  wire.choice(layout, kLastEnvironmentLayout);
 }
 
 template <class Wire>
@@ -223,6 +225,7 @@ void fields(Wire& wire, WireValue<Wire, TextureJob>& job) {
 template <class Wire>
 void fields(Wire& wire, WireValue<Wire, EnvironmentJob>& job) {
   fields(wire, job.limits);
+  wire.choice(job.layout, kLastEnvironmentLayout);
 }
 
 template <class Wire>

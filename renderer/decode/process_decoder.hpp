@@ -32,9 +32,9 @@ class ProcessDecoder : public Decoder {
                          const Deadline& deadline) override {
     return run_in(pool_, TextureJob{color_space, limits}, file, deadline);
   }
-  DecodedEnvironment environment(std::span<const std::byte> file, const DecodeLimits& limits,
-                                 const Deadline& deadline) override {
-    return run_in(pool_, EnvironmentJob{limits}, file, deadline);
+  DecodedEnvironment environment(std::span<const std::byte> file, EnvironmentLayout layout,
+                                 const DecodeLimits& limits, const Deadline& deadline) override {
+    return run_in(pool_, EnvironmentJob{limits, layout}, file, deadline);
   }
   DracoMesh draco(std::span<const std::byte> bytes, const DracoRequest& request,
                   const Deadline& deadline) override {

@@ -18,7 +18,7 @@ namespace furnace {
 // the centre column looks to +X, u = 0.75 to +Z, u = 0.25 to -Z.
 
 // Raised whenever a bake of the same input and settings changes its result.
-inline constexpr int kBakeVersion = 2;
+inline constexpr int kBakeVersion = 3;
 
 // The perceptual roughness of GGX level i. Level 0 (roughness 0) is the environment itself and is not in `levels`.
 // One function for baker, shader tables and cache keys. Strictly increasing, ends at 1.

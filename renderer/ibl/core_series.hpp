@@ -25,8 +25,18 @@ struct CoreSeries {
   double constant = 0;
   double slope = 0;
 
-  // Orders after which q^m is negligible, beside a series that is e^above of this one.
+  // As many orders at least as count for something beside a series that is e^above of this one.
   double reach(double log_above) const;
+};
+
+// Sixteen orders of a series: in single precision, as the rows that it weighs are.
+struct alignas(64) Orders {
+  typedef float Vector __attribute__((vector_size(64)));
+
+  static constexpr int kCount = 16;
+  static int blocks(int orders) { return (orders + kCount - 1) / kCount; }
+
+  Vector v = {};
 };
 
 struct RowDistance {
@@ -37,30 +47,30 @@ struct RowDistance {
 };
 CoreSeries core_series(double beta, const RowDistance& rows, double factor);
 
-// out[m / 8][m % 8] += order m, for `blocks` blocks.
-void add_series(const CoreSeries& series, int blocks, Lanes* out);
+// out[m / 16][m % 16] += order m, for `blocks` blocks.
+void add_series(const CoreSeries& series, int blocks, Orders* out);
 
 // Sampled at the centres of `width` texels, orders k width +- m look like order m.
 // Threads: any, immutable. Owns: tables of weights.
 class Folding {
  public:
-  Folding(int width, int blocks);  // even width, blocks of eight orders up to width / 2
+  Folding(int width, int blocks);  // even width, blocks of orders up to width / 2
 
   int width() const { return width_; }
   int blocks() const { return blocks_; }
   // The mean of order k width + m or k width - m over a texel's width relative to that of order m, by blocks.
-  const Lanes* above(int k) const { return weights_.data() + std::size_t(2 * k - 2) * blocks_; }
-  const Lanes* below(int k) const { return weights_.data() + std::size_t(2 * k - 1) * blocks_; }
+  const Orders* above(int k) const { return weights_.data() + std::size_t(2 * k - 2) * blocks_; }
+  const Orders* below(int k) const { return weights_.data() + std::size_t(2 * k - 1) * blocks_; }
 
   static constexpr int kMost = 4;  // k
 
  private:
   int width_ = 0;
   int blocks_ = 0;
-  std::vector<Lanes> weights_;
+  std::vector<Orders> weights_;
 };
 
 // out += the folded orders, weighted so that a later factor sinc(m / width) makes of each its own mean over a texel.
-void add_folded(const CoreSeries& series, const Folding& folding, Lanes* out);
+void add_folded(const CoreSeries& series, const Folding& folding, Orders* out);
 
 }  // namespace furnace

@@ -10,10 +10,6 @@ namespace furnace {
 
 namespace {
 
-struct ComplexLanes {
-  Lanes re, im;
-};
-
 [[gnu::always_inline]] inline ComplexLanes operator+(const ComplexLanes& a, const ComplexLanes& b) {
   return {a.re + b.re, a.im + b.im};
 }
@@ -31,19 +27,16 @@ struct ComplexLanes {
 struct Pass {
   int groups, stride;
   const double *cos, *sin;
-  const Lanes *in_re, *in_im;
-  Lanes *out_re, *out_im;
+  const ComplexLanes* in;
+  ComplexLanes* out;
 
   [[gnu::always_inline]] ComplexLanes load(int group, int k, int q) const {
-    const std::size_t at = q + std::size_t(stride) * (group + std::size_t(groups) * k);
-    return {in_re[at], in_im[at]};
+    return in[q + std::size_t(stride) * (group + std::size_t(groups) * k)];
   }
   [[gnu::always_inline]] void store(int radix, int group, int j, int q, const ComplexLanes& value) const {
-    const std::size_t at = q + std::size_t(stride) * (std::size_t(radix) * group + j);
     const std::size_t w = std::size_t(group) * (radix - 1) + j - 1;
-    const ComplexLanes turned = j == 0 ? value : turn(value, cos[w], sin[w]);
-    out_re[at] = turned.re;
-    out_im[at] = turned.im;
+    out[q + std::size_t(stride) * (std::size_t(radix) * group + j)] =
+        j == 0 ? value : turn(value, cos[w], sin[w]);
   }
 };
 
@@ -114,7 +107,7 @@ struct Pass {
 }
 
 int next_radix(int n) {
-  if (n % 8 == 0) return 8;
+  if (n % 8 == 0 && n != 16) return 8;
   if (n % 4 == 0) return 4;
   for (int p = 2; p * p <= n; ++p)
     if (n % p == 0) return p;
@@ -147,11 +140,10 @@ LaneFft::LaneFft(int n) : n_(n) {
   }
 }
 
-void LaneFft::transform(Lanes* re, Lanes* im, Lanes* work) const {
-  Lanes *in_re = re, *in_im = im, *out_re = work, *out_im = work + n_;
+void LaneFft::transform(ComplexLanes* values, ComplexLanes* work) const {
+  ComplexLanes *in = values, *out = work;
   for (const Stage& stage : stages_) {
-    const Pass pass{stage.groups, stage.stride, stage.cos.data(), stage.sin.data(),
-                    in_re,        in_im,        out_re,           out_im};
+    const Pass pass{stage.groups, stage.stride, stage.cos.data(), stage.sin.data(), in, out};
     const int radix = stage.radix;
     const double *root_cos = stage.root_cos.data(), *root_sin = stage.root_sin.data();
     in_widest_registers([=]() __attribute__((always_inline)) {
@@ -160,13 +152,9 @@ void LaneFft::transform(Lanes* re, Lanes* im, Lanes* work) const {
       if (radix == 2) return pass_2(pass);
       pass_any(pass, radix, root_cos, root_sin);
     });
-    std::swap(in_re, out_re);
-    std::swap(in_im, out_im);
+    std::swap(in, out);
   }
-  if (in_re != re) {
-    std::copy_n(in_re, n_, re);
-    std::copy_n(in_im, n_, im);
-  }
+  if (in != values) std::copy_n(in, n_, values);
 }
 
 }  // namespace furnace

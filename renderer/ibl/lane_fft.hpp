@@ -7,6 +7,10 @@
 
 namespace furnace {
 
+struct ComplexLanes {
+  Lanes re, im;
+};
+
 // X_k = sum over i of x_i e^(-2 pi i k / n), for any n (fast when its prime factors are small).
 // Threads: transform is const, each caller with its own arrays. Owns: its twiddle factors.
 class LaneFft {
@@ -15,8 +19,8 @@ class LaneFft {
 
   int size() const { return n_; }
 
-  // In place; `work` holds 2 n. For the inverse (unscaled) exchange `re` and `im`.
-  void transform(Lanes* re, Lanes* im, Lanes* work) const;
+  // In place; `work` holds n. For the inverse (unscaled) exchange `re` and `im` before and after.
+  void transform(ComplexLanes* values, ComplexLanes* work) const;
 
  private:
   struct Stage {

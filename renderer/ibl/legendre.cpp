@@ -8,59 +8,70 @@ namespace furnace {
 
 namespace {
 
+constexpr double kLogNegligible = 24;  // 4e-11
+
 struct Recurrence {
   const double* step;
   const double* back;
+  int negligible;  // degrees that count for nothing, even
   int degrees;
 };
 
 // Two blocks advance together: one alone would wait for its own results.
 struct Walk {
-  Lanes x_a, x_b, p_a, p_b, before_a, before_b;
+  Lanes x_a, x_b, p_a, p_b, before_a = {}, before_b = {};
 
   [[gnu::always_inline]] void advance(double step, double back) {
-    const Lanes next_a = step * (x_a * p_a) - back * before_a;
-    const Lanes next_b = step * (x_b * p_b) - back * before_b;
+    const Lanes next_a = (step * x_a) * p_a - back * before_a;
+    const Lanes next_b = (step * x_b) * p_b - back * before_b;
     before_a = p_a;
     before_b = p_b;
     p_a = next_a;
     p_b = next_b;
   }
+
+  [[gnu::always_inline]] void pass_over(const Recurrence& r) {
+    for (int k = 1; k <= r.negligible; ++k) advance(r.step[k], r.back[k]);
+  }
 };
 
 [[gnu::always_inline]] inline void add_to_degrees_body(Recurrence r, Walk walk, const Lanes* even,
                                                        const Lanes* odd, Lanes* sums, Lanes* scratch) {
-  for (int k = 0; k < r.degrees; ++k) {
-    if (k > 0) walk.advance(r.step[k], r.back[k]);
+  walk.pass_over(r);
+  for (int k = r.negligible; k < r.degrees; ++k) {
+    if (k > r.negligible) walk.advance(r.step[k], r.back[k]);
     scratch[2 * k] = walk.p_a;
     scratch[2 * k + 1] = walk.p_b;
   }
   for (int parity = 0; parity < 2; ++parity) {
     const Lanes* rows = parity == 0 ? even : odd;
-    for (int k = parity; k < r.degrees; k += 2) {
+    for (int k = r.negligible + parity; k < r.degrees; k += 2) {
       const double* p = reinterpret_cast<const double*>(scratch + 2 * k);
-      Lanes sum = sums[k];
-      for (int i = 0; i < 16; ++i) sum += p[i] * rows[i];
-      sums[k] = sum;
+      Lanes sum_a = sums[k], sum_b = p[8] * rows[8];
+      for (int i = 0; i < 8; ++i) sum_a += p[i] * rows[i];
+      for (int i = 9; i < 16; ++i) sum_b += p[i] * rows[i];
+      sums[k] = sum_a + sum_b;
     }
   }
 }
 
-[[gnu::always_inline]] inline void sum_degrees_body(Recurrence r, Walk walk, const double* coefficients,
+[[gnu::always_inline]] inline void sum_degrees_body(Recurrence r, Walk walk, const Lanes* coefficients,
                                                     Lanes* even, Lanes* odd) {
   constexpr int n = LegendreOrder::kPlanes;
+  const auto* planes = reinterpret_cast<const double*>(coefficients);
   Lanes even_sum[2 * n] = {}, odd_sum[2 * n] = {};
-  for (int k = 0; k < r.degrees; k += 2) {
-    if (k > 0) walk.advance(r.step[k], r.back[k]);
+  walk.pass_over(r);
+  for (int k = r.negligible; k < r.degrees; k += 2) {
+    if (k > r.negligible) walk.advance(r.step[k], r.back[k]);
     for (int c = 0; c < n; ++c) {
-      const double value = coefficients[k * n + c];
+      const double value = planes[k * 8 + c];
       even_sum[c] += value * walk.p_a;
       even_sum[n + c] += value * walk.p_b;
     }
     if (k + 1 == r.degrees) break;
     walk.advance(r.step[k + 1], r.back[k + 1]);
     for (int c = 0; c < n; ++c) {
-      const double value = coefficients[(k + 1) * n + c];
+      const double value = planes[(k + 1) * 8 + c];
       odd_sum[c] += value * walk.p_a;
       odd_sum[n + c] += value * walk.p_b;
     }
@@ -69,6 +80,16 @@ struct Walk {
     even[c] = even_sum[c];
     odd[c] = odd_sum[c];
   }
+}
+
+// Debye's expansion of the Bessel function that p_lm resembles towards a pole: J_m(m sech a) ~ exp(-m (a - tanh a)), for
+// l sin(theta) = m sech a.
+double least_reach(int m) {
+  if (m == 0) return 0;
+  const double wanted = kLogNegligible / m;
+  double a = wanted + 1;
+  for (int i = 0; i < 8; ++i) a -= (a - std::tanh(a) - wanted) / std::pow(std::tanh(a), 2);
+  return m / std::cosh(a);
 }
 
 }  // namespace
@@ -80,7 +101,7 @@ std::vector<RowBlock> northern_blocks(int rows) {
     const double theta = std::numbers::pi * (j + 0.5) / rows;
     RowBlock& block = blocks[j / 8];
     block.cos_theta.set(j % 8, std::cos(theta));
-    block.log_sin_theta.set(j % 8, std::log(std::sin(theta)));
+    block.sin_theta.set(j % 8, std::sin(theta));
     block.largest_sin = std::sin(theta);
     block.rows = j % 8 + 1;
   }
@@ -90,11 +111,18 @@ std::vector<RowBlock> northern_blocks(int rows) {
 // Holmes and Featherstone 2002, "A unified approach to the Clenshaw summation and the recursive computation of very high
 // degree and order normalised associated Legendre functions": the forward column recurrence.
 LegendreTable::LegendreTable(int bands)
-    : bands_(bands), step_(std::size_t(bands) * (bands + 1) / 2), back_(step_.size()), log_pmm_(bands) {
+    : bands_(bands),
+      step_(std::size_t(bands) * (bands + 1) / 2),
+      back_(step_.size()),
+      log_pmm_(bands),
+      grow_(bands),
+      least_reach_(bands) {
   double log_pmm = -0.5 * std::log(4 * std::numbers::pi);
   for (int m = 0; m < bands; ++m) {
-    if (m > 0) log_pmm += 0.5 * std::log((2.0 * m + 1) / (2.0 * m));
+    if (m > 0) grow_[m] = std::sqrt((2.0 * m + 1) / (2.0 * m));
+    if (m > 0) log_pmm += std::log(grow_[m]);
     log_pmm_[m] = log_pmm;
+    least_reach_[m] = furnace::least_reach(m);
     double *step = step_.data() + offset(m), *back = back_.data() + offset(m);
     for (int k = 1; k < bands - m; ++k) {
       const double l = m + k;
@@ -104,40 +132,47 @@ LegendreTable::LegendreTable(int bands)
   }
 }
 
-// Debye's expansion of the Bessel function that p_lm resembles towards a pole: J_m(m sech a) ~ exp(-m (a - tanh a)).
-bool LegendreOrder::negligible(const RowBlock& block) const {
-  constexpr double kLogNegligible = 34;  // 2e-15
-  const double reach = (m_ + degrees_) * block.largest_sin;
-  if (block.rows == 0 || reach >= m_) return false;
-  const double a = std::acosh(m_ / reach);
-  return m_ * (a - std::tanh(a)) > kLogNegligible;
+FirstDegrees::FirstDegrees(const LegendreTable& table, const std::vector<RowBlock>& blocks, int m)
+    : table_(table), blocks_(blocks), m_(m), values_(blocks.size(), Lanes{}) {
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    for (int i = 0; i < blocks[b].rows; ++i)
+      values_[b].set(i, std::exp(table.log_pmm(m) + m * std::log(blocks[b].sin_theta[i])));
+  }
 }
 
-std::size_t LegendreOrder::first_block(const std::vector<RowBlock>& blocks) const {
-  return std::partition_point(blocks.begin(), blocks.end(),
-                              [&](const RowBlock& block) { return negligible(block); }) -
-         blocks.begin();
+void FirstDegrees::next_order() {
+  const double grow = table_.grow(++m_);
+  for (std::size_t b = 0; b < blocks_.size(); ++b) values_[b] = grow * (values_[b] * blocks_[b].sin_theta);
 }
 
-Lanes LegendreOrder::first_degree(const RowBlock& block) const {
-  Lanes pmm = {};
-  for (int i = 0; i < block.rows; ++i) pmm.set(i, std::exp(table_.log_pmm(m_) + m_ * block.log_sin_theta[i]));
-  return pmm;
+int LegendreOrder::negligible_degrees(std::size_t pair) const {
+  const double sin = std::max(first_.blocks()[pair].largest_sin, first_.blocks()[pair + 1].largest_sin);
+  const double degree = std::min<double>(first_.table().least_reach(m_) / sin, m_ + degrees_);
+  return std::max(0, static_cast<int>(degree) - m_);
 }
 
-void LegendreOrder::add_to_degrees(const RowBlock& a, const RowBlock& b, const Lanes* even, const Lanes* odd,
-                                   Lanes* sums, Lanes* scratch) const {
-  const Recurrence r{table_.step(m_), table_.back(m_), degrees_};
-  const Walk walk{a.cos_theta, b.cos_theta, first_degree(a), first_degree(b), {}, {}};
+std::size_t LegendreOrder::first_pair() const {
+  std::size_t pair = 0;
+  while (pair < first_.blocks().size() && negligible_degrees(pair) == degrees_) pair += 2;
+  return pair;
+}
+
+void LegendreOrder::add_to_degrees(std::size_t pair, const Lanes* even, const Lanes* odd, Lanes* sums,
+                                   Lanes* scratch) const {
+  const Recurrence r{first_.table().step(m_), first_.table().back(m_), negligible_degrees(pair) / 2 * 2,
+                     degrees_};
+  const Walk walk{first_.blocks()[pair].cos_theta, first_.blocks()[pair + 1].cos_theta, first_.on(pair),
+                  first_.on(pair + 1)};
   in_widest_registers([ =, &walk ]() __attribute__((always_inline)) {
     add_to_degrees_body(r, walk, even, odd, sums, scratch);
   });
 }
 
-void LegendreOrder::sum_degrees(const RowBlock& a, const RowBlock& b, const double* coefficients, Lanes* even,
-                                Lanes* odd) const {
-  const Recurrence r{table_.step(m_), table_.back(m_), degrees_};
-  const Walk walk{a.cos_theta, b.cos_theta, first_degree(a), first_degree(b), {}, {}};
+void LegendreOrder::sum_degrees(std::size_t pair, const Lanes* coefficients, Lanes* even, Lanes* odd) const {
+  const Recurrence r{first_.table().step(m_), first_.table().back(m_), negligible_degrees(pair) / 2 * 2,
+                     degrees_};
+  const Walk walk{first_.blocks()[pair].cos_theta, first_.blocks()[pair + 1].cos_theta, first_.on(pair),
+                  first_.on(pair + 1)};
   in_widest_registers(
       [ =, &walk ]() __attribute__((always_inline)) { sum_degrees_body(r, walk, coefficients, even, odd); });
 }

@@ -20,7 +20,6 @@ constexpr double kTexelsPerColumn = 0.75;  // side of a tile per column of the H
 constexpr double kKinkTile = 192;
 constexpr int kLargestTile = 1024;
 constexpr float kLargestHalf = 65504;
-constexpr double kTexelCost_us = 0.005;
 
 // The kernel and the texels of the HDRI blur together; the finer of the two counts for little. Rough levels have a kink
 // where a sun sets, the stronger the rougher.
@@ -31,8 +30,8 @@ int tile_side(double alpha, int map_columns) {
 }
 
 // Lays squares, largest first, as low as they go under a skyline of the given width; returns the height, or nothing when
-// one does not fit. (Jylanki 2010, "A Thousand Ways to Pack the Bin": skyline, bottom-left.)
-std::optional<int> place_tiles(const std::vector<AtlasTile*>& tiles, int width) {
+// one does not fit below `highest`. (Jylanki 2010, "A Thousand Ways to Pack the Bin": skyline, bottom-left.)
+std::optional<int> place_tiles(const std::vector<AtlasTile*>& tiles, int width, int highest) {
   std::vector<int> skyline(width, 0);  // px, by column
   for (AtlasTile* tile : tiles) {
     const int side = tile->inner + 2 * kBorder;
@@ -42,7 +41,7 @@ std::optional<int> place_tiles(const std::vector<AtlasTile*>& tiles, int width) 
       const int y = *std::max_element(skyline.begin() + x, skyline.begin() + x + side);
       if (y < best_y) best_x = x, best_y = y;
     }
-    if (best_x < 0) return std::nullopt;
+    if (best_x < 0 || best_y + side > highest) return std::nullopt;
     tile->x = best_x + kBorder;
     tile->y = best_y + kBorder;
     std::fill_n(skyline.begin() + best_x, side, best_y + side);
@@ -57,35 +56,24 @@ Extent place_tiles(const std::vector<AtlasTile*>& tiles) {
   // Three times the widest tile is enough for the tiles of a large map; a small map's are nearly equal and need more.
   for (int limit = 3 * widest; best.width == 0; limit += widest) {
     for (int width = widest; width <= limit; width += 8) {
-      const std::optional<int> height = place_tiles(tiles, width);
-      const Extent extent{width, height.value_or(0)};
-      if (height && *height <= limit && (best.width == 0 || extent.area() < best.area())) best = extent;
+      const int highest =
+          best.width == 0 ? limit : std::min<int>(limit, static_cast<int>((best.area() - 1) / width));
+      if (const std::optional<int> height = place_tiles(tiles, width, highest)) best = {width, *height};
     }
   }
-  place_tiles(tiles, best.width);
+  place_tiles(tiles, best.width, best.height);
   return best;
 }
 
-void store_tile(const std::vector<Quad>& texels, const AtlasTile& tile, double scale, Image& atlas,
-                WorkerPool& pool) {
+void copy_borders(const AtlasTile& tile, Image& atlas) {
   const int inner = tile.inner;
-  const float factor = static_cast<float>(scale);
-  const auto row_of = [&](int j) {
-    return atlas.samples<std::uint16_t>().subspan((std::size_t(tile.y + j) * atlas.extent.width + tile.x) *
-                                                  4);
+  const auto halves = atlas.samples<std::uint16_t>();
+  const auto at = [&](int i, int j) {
+    return halves.data() + (std::size_t(tile.y + j) * atlas.extent.width + tile.x + i) * 4;
   };
-  pool.parallel_for(inner, kTexelCost_us * inner, [&](std::size_t row) {
-    const Quad* in = texels.data() + row * inner;
-    std::vector<float> scaled(std::size_t(inner) * 4);
-    for (int i = 0; i < inner; ++i) {
-      for (int k = 0; k < 3; ++k) scaled[4 * i + k] = factor * in[i].v[k];
-      scaled[4 * i + 3] = 1;
-    }
-    half_from_float(scaled, row_of(static_cast<int>(row)).first(scaled.size()));
-  });
   const auto copy_border = [&](int i, int j) {
     const TexelIndex from = fold_octahedral(i, j, inner);
-    std::copy_n(row_of(from.j).begin() + 4 * from.i, 4, row_of(j).begin() + 4 * i);
+    std::copy_n(at(from.i, from.j), 4, at(i, j));
   };
   for (int k = -1; k <= inner; ++k) {
     copy_border(k, -1);
@@ -142,7 +130,8 @@ OctahedralAtlas make_octahedral_atlas(const BakedEnvironment& baked, WorkerPool&
 
   TileResampler resampler(pool);
   const auto fill = [&](const Image& equirect, const AtlasTile& tile) {
-    store_tile(resampler.resample(equirect, tile.inner), tile, atlas.scale, atlas.texels, pool);
+    resampler.resample(equirect, static_cast<float>(atlas.scale), {atlas.texels, tile.x, tile.y, tile.inner});
+    copy_borders(tile, atlas.texels);
   };
   for (std::size_t i = 0; i < baked.levels.size(); ++i) fill(baked.levels[i].equirect, atlas.level_tiles[i]);
   fill(baked.irradiance, atlas.irradiance_tile);

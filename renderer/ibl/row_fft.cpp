@@ -33,12 +33,15 @@ struct Planes {
   }
 };
 
+// Rows of the north are real parts, those of the south imaginary ones.
 struct Colours {
-  Lanes *re[3], *im[3];
+  ComplexLanes* planes[3];
 };
+using Part = Lanes ComplexLanes::*;
 
 // Eight texels of eight rows: samples in lanes <-> rows in lanes.
-[[gnu::always_inline]] inline void gather_eight(const float* const* rows, int i, Lanes* const* planes) {
+[[gnu::always_inline]] inline void gather_eight(const float* const* rows, int i, const Colours& out,
+                                                Part half) {
   for (int part = 0; part < 3; ++part) {
     Lanes block[8];
     for (int r = 0; r < 8; ++r) {
@@ -47,15 +50,15 @@ struct Colours {
       block[r] = samples.widen();
     }
     transpose(block);
-    for (int k = 0; k < 8; ++k) planes[(8 * part + k) % 3][i + (8 * part + k) / 3] = block[k];
+    for (int k = 0; k < 8; ++k) out.planes[(8 * part + k) % 3][i + (8 * part + k) / 3].*half = block[k];
   }
 }
 
 // Not below 0, as floats.
-[[gnu::always_inline]] inline void scatter_eight(const Lanes* const* planes, int i, float* const* rows) {
+[[gnu::always_inline]] inline void scatter_eight(const Colours& in, Part half, int i, float* const* rows) {
   for (int part = 0; part < 3; ++part) {
     Lanes block[8];
-    for (int k = 0; k < 8; ++k) block[k] = planes[(8 * part + k) % 3][i + (8 * part + k) / 3];
+    for (int k = 0; k < 8; ++k) block[k] = in.planes[(8 * part + k) % 3][i + (8 * part + k) / 3].*half;
     transpose(block);
     for (int r = 0; r < 8; ++r) {
       const StoredLanes samples = StoredLanes::of({block[r].v > 0 ? block[r].v : Lanes::Vector{}});
@@ -68,29 +71,30 @@ struct Colours {
                                                  const Colours& out) {
   int i = 0;
   for (; i + 8 <= width; i += 8) {
-    gather_eight(texels.north, i, out.re);
-    gather_eight(texels.south, i, out.im);
+    gather_eight(texels.north, i, out, &ComplexLanes::re);
+    gather_eight(texels.south, i, out, &ComplexLanes::im);
   }
   for (; i < width; ++i) {
     for (int c = 0; c < 3; ++c) {
-      for (int r = 0; r < 8; ++r) out.re[c][i].set(r, texels.north[r][3 * i + c]);
-      for (int r = 0; r < 8; ++r) out.im[c][i].set(r, texels.south[r][3 * i + c]);
+      for (int r = 0; r < 8; ++r) out.planes[c][i].re.set(r, texels.north[r][3 * i + c]);
+      for (int r = 0; r < 8; ++r) out.planes[c][i].im.set(r, texels.south[r][3 * i + c]);
     }
   }
 }
 
+// Of a transform with exchanged parts.
 [[gnu::always_inline]] inline void scatter_texels(const Colours& in, int width,
                                                   const RowPairs<float>& texels) {
   int i = 0;
   for (; i + 8 <= width; i += 8) {
-    scatter_eight(in.re, i, texels.north);
-    scatter_eight(in.im, i, texels.south);
+    scatter_eight(in, &ComplexLanes::im, i, texels.north);
+    scatter_eight(in, &ComplexLanes::re, i, texels.south);
   }
   const auto clamped = [](double value) { return static_cast<float>(value > 0 ? value : 0); };
   for (; i < width; ++i) {
     for (int c = 0; c < 3; ++c) {
-      for (int r = 0; r < 8; ++r) texels.north[r][3 * i + c] = clamped(in.re[c][i][r]);
-      for (int r = 0; r < 8; ++r) texels.south[r][3 * i + c] = clamped(in.im[c][i][r]);
+      for (int r = 0; r < 8; ++r) texels.north[r][3 * i + c] = clamped(in.planes[c][i].im[r]);
+      for (int r = 0; r < 8; ++r) texels.south[r][3 * i + c] = clamped(in.planes[c][i].re[r]);
     }
   }
 }
@@ -102,10 +106,11 @@ struct Colours {
     const int mirror = m == 0 ? 0 : width - m;
     Planes north, south;
     for (int c = 0; c < 3; ++c) {
-      north.re[c] = 0.5 * (in.re[c][m] + in.re[c][mirror]);
-      north.im[c] = 0.5 * (in.im[c][m] - in.im[c][mirror]);
-      south.re[c] = 0.5 * (in.im[c][m] + in.im[c][mirror]);
-      south.im[c] = 0.5 * (in.re[c][mirror] - in.re[c][m]);
+      const ComplexLanes z = in.planes[c][m], w = in.planes[c][mirror];
+      north.re[c] = 0.5 * (z.re + w.re);
+      north.im[c] = 0.5 * (z.im - w.im);
+      south.re[c] = 0.5 * (z.im + w.im);
+      south.im[c] = 0.5 * (w.re - z.re);
     }
     north.turn(cos[m], sin[m]);
     south.turn(cos[m], sin[m]);
@@ -114,7 +119,7 @@ struct Colours {
   }
 }
 
-// Orders up to half the width have a bin of their own; the others are added to theirs.
+// Real and imaginary parts exchanged. Orders up to half the width have a bin of their own; the others are added to theirs.
 template <bool kOwnBins>
 [[gnu::always_inline]] inline void join_pairs(const RowPairs<const StoredLanes>& spectra, int orders,
                                               int width, const double* cos, const double* sin,
@@ -130,11 +135,11 @@ template <bool kOwnBins>
     north.turn(cos[phase], sin[phase]);
     south.turn(cos[phase], sin[phase]);
     for (int c = 0; c < 3; ++c) {
-      put(out.re[c][bin], north.re[c] - south.im[c]);
-      put(out.im[c][bin], north.im[c] + south.re[c]);
+      put(out.planes[c][bin].im, north.re[c] - south.im[c]);
+      put(out.planes[c][bin].re, north.im[c] + south.re[c]);
       if (m == 0) continue;
-      put(out.re[c][mirror], north.re[c] + south.im[c]);
-      put(out.im[c][mirror], south.re[c] - north.im[c]);
+      put(out.planes[c][mirror].im, north.re[c] + south.im[c]);
+      put(out.planes[c][mirror].re, south.re[c] - north.im[c]);
     }
   }
 }
@@ -157,11 +162,10 @@ RowFft::RowFft(int width) : width_(width), fft_(width) {
 void RowFft::spectra_of_texels(const RowPairs<const float>& texels, int orders,
                                const RowPairs<StoredLanes>& spectra, Scratch& scratch) const {
   prepare(scratch);
-  const Colours colours{{scratch.re[0].data(), scratch.re[1].data(), scratch.re[2].data()},
-                        {scratch.im[0].data(), scratch.im[1].data(), scratch.im[2].data()}};
+  const Colours colours{{scratch.planes[0].data(), scratch.planes[1].data(), scratch.planes[2].data()}};
   const int width = width_;
   in_widest_registers([=]() __attribute__((always_inline)) { gather_texels(texels, width, colours); });
-  for (int c = 0; c < 3; ++c) fft_.transform(colours.re[c], colours.im[c], scratch.work.data());
+  for (ComplexLanes* plane : colours.planes) fft_.transform(plane, scratch.work.data());
   const double *cos = box_cos_.data(), *sin = box_sin_.data();
   in_widest_registers([=]() __attribute__((always_inline)) {
     split_pairs(colours, width, orders, cos, sin, spectra);
@@ -171,15 +175,11 @@ void RowFft::spectra_of_texels(const RowPairs<const float>& texels, int orders,
 void RowFft::texels_of_spectra(const RowPairs<const StoredLanes>& spectra, int orders,
                                const RowPairs<float>& texels, Scratch& scratch) const {
   prepare(scratch);
-  const Colours colours{{scratch.re[0].data(), scratch.re[1].data(), scratch.re[2].data()},
-                        {scratch.im[0].data(), scratch.im[1].data(), scratch.im[2].data()}};
+  const Colours colours{{scratch.planes[0].data(), scratch.planes[1].data(), scratch.planes[2].data()}};
   const int width = width_;
   const bool own_bins = 2 * (orders - 1) < width;
   const int first_free = own_bins ? orders : 0, free = own_bins ? width - 2 * orders + 1 : width;
-  for (int c = 0; c < 3; ++c) {
-    std::fill_n(colours.re[c] + first_free, free, Lanes{});
-    std::fill_n(colours.im[c] + first_free, free, Lanes{});
-  }
+  for (ComplexLanes* plane : colours.planes) std::fill_n(plane + first_free, free, ComplexLanes{});
   const double *cos = centre_cos_.data(), *sin = centre_sin_.data();
   in_widest_registers([=]() __attribute__((always_inline)) {
     if (own_bins)
@@ -188,16 +188,13 @@ void RowFft::texels_of_spectra(const RowPairs<const StoredLanes>& spectra, int o
       join_pairs<false>(spectra, orders, width, cos, sin, colours);
   });
   // The inverse transform is the forward one with real and imaginary parts exchanged.
-  for (int c = 0; c < 3; ++c) fft_.transform(colours.im[c], colours.re[c], scratch.work.data());
+  for (ComplexLanes* plane : colours.planes) fft_.transform(plane, scratch.work.data());
   in_widest_registers([=]() __attribute__((always_inline)) { scatter_texels(colours, width, texels); });
 }
 
 void RowFft::prepare(Scratch& scratch) const {
-  for (int c = 0; c < 3; ++c) {
-    scratch.re[c].resize(width_);
-    scratch.im[c].resize(width_);
-  }
-  scratch.work.resize(2 * width_);
+  for (std::vector<ComplexLanes>& plane : scratch.planes) plane.resize(width_);
+  scratch.work.resize(width_);
 }
 
 }  // namespace furnace

@@ -36,7 +36,7 @@ struct RowPairs {
 class RowFft {
  public:
   struct Scratch {
-    std::vector<Lanes> re[3], im[3], work;
+    std::vector<ComplexLanes> planes[3], work;
   };
 
   explicit RowFft(int width);

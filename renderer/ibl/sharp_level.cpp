@@ -69,18 +69,24 @@ class CoreSum {
         cell_(kPi / map.rows()),
         reach_(static_cast<int>(std::ceil(kReach_alpha * smooth.front().kernel.alpha() / cell_))),
         folding_(width(), blocks()),
-        cell_nodes_(gauss_legendre(kNearNodes, -0.5 * cell_, 0.5 * cell_)) {}
+        cell_nodes_(gauss_legendre(kNearNodes, -0.5 * cell_, 0.5 * cell_)) {
+    const double equator = 0.5 * kPi;
+    for (const GgxKernel& kernel : kernels)
+      orders_.push_back(
+          std::max(used_orders(kernel.beta(), equator, equator), smooth.front().spectrum.orders()));
+  }
 
   // The series of core_l on each row within reach, up to `used` orders.
   struct Scratch {
-    std::vector<Lanes> sampled;     // at the rows' centres, [row][level][order / 8]
-    std::vector<Lanes> integrated;  // over the rows' height, likewise
-    std::vector<Lanes> smooth;      // of one row, [smooth level][order / 8]
-    std::vector<int> used;          // per row
-    std::vector<Lanes> sums;        // of a tile, [level][north, south][order]
+    std::vector<Orders> sampled;     // at the rows' centres, [row][level][order / 16]
+    std::vector<Orders> integrated;  // over the rows' height, likewise
+    std::vector<Orders> smooth;      // of one row, [smooth level][order / 16]
+    std::vector<int> smooth_blocks;  // of each that are set
+    std::vector<int> used;           // [row][level]
   };
 
-  int rows() const { return rows_; }  // of the result
+  int rows() const { return rows_; }                      // of the result
+  int orders(int level) const { return orders_[level]; }  // of the result
   // Row i and its mirror image: sets the orders of north[level], south[level].
   void convolve(int i, StoredLanes* const* north, StoredLanes* const* south, Scratch& scratch) const;
 
@@ -91,14 +97,16 @@ class CoreSum {
     double weight = 0;  // sr per radian of azimuth, times 2 pi
   };
 
-  int blocks() const { return (map_.orders() + 7) / 8; }
+  int levels() const { return static_cast<int>(kernels_.size()); }
+  int blocks() const { return Orders::blocks(map_.orders()); }
   int width() const { return 2 * (map_.orders() - 1); }
   std::size_t row_size() const { return kernels_.size() * blocks(); }
-  void set_smooth_part(int row, int level, int begin, int end, Lanes* out) const;
-  int used_orders(double theta, double source) const;
+  void set_smooth_part(int row, int level, int begin, int end, StoredLanes* out) const;
+  int used_orders(double beta, double theta, double source) const;
   Source source_at(double theta, double source, double height) const;
-  void sum_sources(std::span<const Source> sources, int used, Lanes* out, Scratch& scratch) const;
+  void sum_sources(std::span<const Source> sources, const int* used, Orders* out, Scratch& scratch) const;
   void fill_series(double theta, int first, int last, Scratch& scratch) const;
+  void integrate_between(int j, int first, int last, Scratch& scratch) const;
   void even_out(Scratch& scratch) const;
 
   const RowSpectrum& map_;
@@ -110,55 +118,66 @@ class CoreSum {
   int reach_ = 0;
   Folding folding_;
   std::vector<QuadratureNode> cell_nodes_;
+  std::vector<int> orders_;
 };
 
-void CoreSum::set_smooth_part(int row, int level, int begin, int end, Lanes* out) const {
-  std::fill_n(out, end - begin, Lanes{});
+void CoreSum::set_smooth_part(int row, int level, int begin, int end, StoredLanes* out) const {
+  std::fill_n(out, end - begin, StoredLanes{});
   for (std::size_t k = 0; k < smooth_.size(); ++k) {
     const StoredLanes* in = smooth_[k].spectrum.row(row);
-    const double weight = extrapolations_[level].weight[k];
+    const auto weight = static_cast<float>(extrapolations_[level].weight[k]);
     const int last = std::min(smooth_[k].spectrum.orders(), end);
     in_widest_registers([=]() __attribute__((always_inline)) {
-      for (int m = begin; m < last; ++m) out[m - begin] += weight * in[m].widen();
+      for (int m = begin; m < last; ++m) out[m - begin].v += weight * in[m].v;
     });
   }
 }
 
-int CoreSum::used_orders(double theta, double source) const {
-  const double beta = kernels_.front().beta();
+int CoreSum::used_orders(double beta, double theta, double source) const {
   const RowDistance rows(theta, source);
   // The series begins with about (t + beta)^(-3/2): what is negligible beside that of theta's own row is so here.
   const double reach = core_series(beta, rows, 1).reach(1.5 * std::log1p(rows.minus / beta));
-  // Whole blocks: the difference over a row's height is taken of those.
-  return std::min(map_.orders(), (static_cast<int>(std::min<double>(map_.orders(), reach)) + 8) / 8 * 8);
+  return static_cast<int>(std::min<double>(map_.orders(), reach + 1));
 }
 
 CoreSum::Source CoreSum::source_at(double theta, double source, double height) const {
   return {RowDistance(theta, source), 2 * kPi * height * std::sin(source)};
 }
 
-// out[level][order / 8] = the series of every core, summed over sources within one row.
-void CoreSum::sum_sources(std::span<const Source> sources, int used, Lanes* out, Scratch& scratch) const {
-  const int used_blocks = (used + 7) / 8;
-  const auto sum_series = [&](double beta, double scale, Lanes* sum) {
-    std::fill_n(sum, used_blocks, Lanes{});
+// out[level][order / 16] = the series of every core, up to used[level] orders, summed over sources within one row.
+void CoreSum::sum_sources(std::span<const Source> sources, const int* used, Orders* out,
+                          Scratch& scratch) const {
+  // Returns how many blocks it set.
+  const auto sum_series = [&](double beta, double scale, int most, Orders* sum) {
+    double reach = 0;
+    for (const Source& source : sources)
+      reach = std::max(reach, core_series(beta, source.distance, 1).reach(0));
+    const int count = Orders::blocks(static_cast<int>(std::min<double>(most, reach + 1)));
+    std::fill_n(sum, count, Orders{});
     for (const Source& source : sources) {
       const CoreSeries series = core_series(beta, source.distance, source.weight * scale);
-      add_series(series, used_blocks, sum);
+      add_series(series, count, sum);
       // Only at the centres of the map's own texels.
-      if (used == map_.orders() && rows_ == map_.rows()) add_folded(series, folding_, sum);
+      if (count == blocks() && rows_ == map_.rows()) add_folded(series, folding_, sum);
     }
+    return count;
   };
-  for (std::size_t k = 0; k < smooth_.size(); ++k)
-    sum_series(smooth_[k].kernel.beta(), 1, scratch.smooth.data() + k * blocks());
-  for (std::size_t l = 0; l < kernels_.size(); ++l) {
-    Lanes* sum = out + l * blocks();
-    sum_series(kernels_[l].beta(), kernels_[l].scale(), sum);
+  const int most = *std::max_element(used, used + levels());
+  for (std::size_t k = 0; k < smooth_.size(); ++k) {
+    scratch.smooth_blocks[k] =
+        sum_series(smooth_[k].kernel.beta(), 1, most, scratch.smooth.data() + k * blocks());
+  }
+  for (int l = 0; l < levels(); ++l) {
+    Orders* sum = out + l * blocks();
+    const int used_blocks = Orders::blocks(used[l]);
+    const int count = sum_series(kernels_[l].beta(), kernels_[l].scale(), used[l], sum);
+    std::fill_n(sum + count, used_blocks - count, Orders{});
     for (std::size_t k = 0; k < smooth_.size(); ++k) {
-      const Lanes* smooth = scratch.smooth.data() + k * blocks();
-      const double factor = -kernels_[l].scale() * extrapolations_[l].lagrange[k];
+      const Orders* smooth = scratch.smooth.data() + k * blocks();
+      const auto factor = static_cast<float>(-kernels_[l].scale() * extrapolations_[l].lagrange[k]);
+      const int common = std::min(used_blocks, scratch.smooth_blocks[k]);
       in_widest_registers([=]() __attribute__((always_inline)) {
-        for (int b = 0; b < used_blocks; ++b) sum[b] += factor * smooth[b];
+        for (int b = 0; b < common; ++b) sum[b].v += factor * smooth[b].v;
       });
     }
   }
@@ -174,15 +193,17 @@ void CoreSum::fill_series(double theta, int first, int last, Scratch& scratch) c
   const std::size_t size = row_size();
   const int count = (last - first + kRowsAtOnce) / kRowsAtOnce * kRowsAtOnce;
   scratch.smooth.resize(smooth_.size() * blocks());
+  scratch.smooth_blocks.resize(smooth_.size());
   scratch.sampled.resize(count * size);
   scratch.integrated.resize(count * size);
-  scratch.used.assign(count, 0);
+  scratch.used.assign(std::size_t(count) * levels(), 0);
   for (int j = first; j <= last; ++j) {
     // One row nearer, where more orders matter: the difference needs them on both sides.
     const double nearer = j < at - 1 ? j + 1 : j > at + 1 ? j - 1 : at;
-    const int used = used_orders(theta, (nearer + 0.5) * cell_);
     const double centre = (j + 0.5) * cell_;
-    scratch.used[j - first] = used;
+    int* used = scratch.used.data() + std::size_t(j - first) * levels();
+    for (int l = 0; l < levels(); ++l)
+      used[l] = std::min(orders_[l], used_orders(kernels_[l].beta(), theta, (nearer + 0.5) * cell_));
     if (std::abs(at - j) > kNearRows - 0.6) {
       const Source row = source_at(theta, centre, cell_);
       sum_sources({&row, 1}, used, scratch.sampled.data() + (j - first) * size, scratch);
@@ -194,88 +215,88 @@ void CoreSum::fill_series(double theta, int first, int last, Scratch& scratch) c
       sum_sources(nodes, used, scratch.integrated.data() + (j - first) * size, scratch);
     }
   }
-  for (int j = first; j <= last; ++j) {
-    if (near(j)) continue;
-    const Lanes* here = scratch.sampled.data() + (j - first) * size;
-    // Where a neighbour's series ends, or the reach, there is nothing left that is worth a difference.
-    const int before = j > first ? j - 1 : j, after = j < last ? j + 1 : j;
-    const int used_blocks = (scratch.used[j - first] + 7) / 8;
-    const int common =
-        std::min({used_blocks, scratch.used[before - first] / 8, scratch.used[after - first] / 8});
-    const std::ptrdiff_t to_before = (before - j) * std::ptrdiff_t(size),
-                         to_after = (after - j) * std::ptrdiff_t(size);
-    for (std::size_t l = 0; l < kernels_.size(); ++l) {
-      const Lanes* in = here + l * blocks();
-      Lanes* out = scratch.integrated.data() + (j - first) * size + l * blocks();
-      in_widest_registers([=]() __attribute__((always_inline)) {
-        for (int b = 0; b < common; ++b)
-          out[b] = (22.0 / 24) * in[b] + (1.0 / 24) * (in[b + to_before] + in[b + to_after]);
-        for (int b = common; b < used_blocks; ++b) out[b] = in[b];
-      });
-    }
+  for (int j = first; j <= last; ++j)
+    if (!near(j)) integrate_between(j, first, last, scratch);
+}
+
+void CoreSum::integrate_between(int j, int first, int last, Scratch& scratch) const {
+  // Where a neighbour's series ends, or the reach, there is nothing left that is worth a difference.
+  const int before = j > first ? j - 1 : j, after = j < last ? j + 1 : j;
+  const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(row_size());
+  for (int l = 0; l < levels(); ++l) {
+    const auto used_blocks = [&](int row) {
+      return Orders::blocks(scratch.used[std::size_t(row - first) * levels() + l]);
+    };
+    const int own = used_blocks(j), common = std::min({own, used_blocks(before), used_blocks(after)});
+    const Orders* in = scratch.sampled.data() + (j - first) * size + l * blocks();
+    const Orders *in_before = in + (before - j) * size, *in_after = in + (after - j) * size;
+    Orders* out = scratch.integrated.data() + (j - first) * size + l * blocks();
+    in_widest_registers([=]() __attribute__((always_inline)) {
+      for (int b = 0; b < common; ++b)
+        out[b].v = (22.0f / 24) * in[b].v + (1.0f / 24) * (in_before[b].v + in_after[b].v);
+      for (int b = common; b < own; ++b) out[b] = in[b];
+    });
   }
 }
 
 // Rows that are summed together have as many orders as the one with the most.
 void CoreSum::even_out(Scratch& scratch) const {
-  for (std::size_t j = 0; j < scratch.used.size(); j += kRowsAtOnce) {
-    const int* used = scratch.used.data() + j;
-    const int most = (*std::max_element(used, used + kRowsAtOnce) + 7) / 8;
-    for (int r = 0; r < kRowsAtOnce; ++r) {
-      const int own = (used[r] + 7) / 8;
-      for (std::size_t l = 0; l < kernels_.size(); ++l)
-        std::fill_n(scratch.integrated.data() + (j + r) * row_size() + l * blocks() + own, most - own,
-                    Lanes{});
+  const int rows = static_cast<int>(scratch.used.size()) / levels();
+  for (int first = 0; first < rows; first += kRowsAtOnce) {
+    for (int l = 0; l < levels(); ++l) {
+      int* used = scratch.used.data() + std::size_t(first) * levels() + l;
+      int most = 0;
+      for (int r = 0; r < kRowsAtOnce; ++r) most = std::max(most, used[r * levels()]);
+      for (int r = 0; r < kRowsAtOnce; ++r) {
+        const int own = Orders::blocks(used[r * levels()]);
+        std::fill_n(scratch.integrated.data() + (first + r) * row_size() + l * blocks() + own,
+                    Orders::blocks(most) - own, Orders{});
+        used[r * levels()] = most;
+      }
     }
   }
 }
 
 void CoreSum::convolve(int i, StoredLanes* const* north, StoredLanes* const* south, Scratch& scratch) const {
-  const int map_rows = map_.rows(), levels = static_cast<int>(kernels_.size());
+  const int map_rows = map_.rows();
   const double theta = kPi * (i + 0.5) / rows_;
   const int nearest = std::min(static_cast<int>(theta / cell_), map_rows - 1);
   const int first = std::max(0, nearest - reach_), last = std::min(map_rows - 1, nearest + reach_);
   fill_series(theta, first, last, scratch);
   even_out(scratch);
-  scratch.sums.resize(std::size_t(2 * levels) * kTile);
-  for (int begin = 0; begin < map_.orders(); begin += kTile) {
-    const int end = std::min(begin + kTile, map_.orders());
-    const auto sums_of = [&](int l, int half) { return scratch.sums.data() + (2 * l + half) * kTile; };
-    for (int l = 0; l < levels; ++l) {
-      set_smooth_part(i, l, begin, end, sums_of(l, 0));
-      set_smooth_part(rows_ - 1 - i, l, begin, end, sums_of(l, 1));
+  for (int begin = 0; begin < orders_.front(); begin += kTile) {
+    for (int l = 0; l < levels(); ++l) {
+      const int end = std::min(begin + kTile, orders_[l]);
+      if (begin >= end) continue;
+      set_smooth_part(i, l, begin, end, north[l] + begin);
+      set_smooth_part(rows_ - 1 - i, l, begin, end, south[l] + begin);
     }
     for (int j = first; j <= last; j += kRowsAtOnce) {
-      const int* used = scratch.used.data() + (j - first);
-      const int until = std::min(end, *std::max_element(used, used + kRowsAtOnce));
       const StoredLanes *north_map[kRowsAtOnce], *south_map[kRowsAtOnce];
       for (int r = 0; r < kRowsAtOnce; ++r) {
         const int row = std::min(j + r, map_rows - 1);  // those beyond the last weigh nothing
         north_map[r] = map_.row(row);
         south_map[r] = map_.row(map_rows - 1 - row);
       }
-      for (int l = 0; l < levels; ++l) {
-        const double* core[kRowsAtOnce];
+      for (int l = 0; l < levels(); ++l) {
+        const int until = std::min(begin + kTile, scratch.used[std::size_t(j - first) * levels() + l]);
+        const float* core[kRowsAtOnce];
         for (int r = 0; r < kRowsAtOnce; ++r)
-          core[r] = reinterpret_cast<const double*>(scratch.integrated.data() + (j + r - first) * row_size() +
-                                                    l * blocks());
-        Lanes *north_sum = sums_of(l, 0), *south_sum = sums_of(l, 1);
+          core[r] = reinterpret_cast<const float*>(scratch.integrated.data() + (j + r - first) * row_size() +
+                                                   l * blocks());
+        StoredLanes *north_sum = north[l], *south_sum = south[l];
         in_widest_registers([=]() __attribute__((always_inline)) {
           for (int m = begin; m < until; ++m) {
-            Lanes n = north_sum[m - begin], s = south_sum[m - begin];
+            StoredLanes::Vector n = north_sum[m].v, s = south_sum[m].v;
             for (int r = 0; r < kRowsAtOnce; ++r) {
-              n += core[r][m] * north_map[r][m].widen();
-              s += core[r][m] * south_map[r][m].widen();
+              n += core[r][m] * north_map[r][m].v;
+              s += core[r][m] * south_map[r][m].v;
             }
-            north_sum[m - begin] = n;
-            south_sum[m - begin] = s;
+            north_sum[m].v = n;
+            south_sum[m].v = s;
           }
         });
       }
-    }
-    for (int l = 0; l < levels; ++l) {
-      store(sums_of(l, 0), end - begin, north[l] + begin);
-      store(sums_of(l, 1), end - begin, south[l] + begin);
     }
   }
 }
@@ -285,7 +306,7 @@ void CoreSum::convolve(int i, StoredLanes* const* north, StoredLanes* const* sou
 std::vector<Image> convolve_sharp(const RowSpectrum& map, const std::vector<GgxKernel>& kernels,
                                   const std::vector<SmoothLevel>& smooth, BakeWork& work) {
   const CoreSum core(map, kernels, smooth);
-  const int rows = core.rows(), orders = map.orders(), width = 2 * rows;
+  const int rows = core.rows(), width = 2 * rows;
   const int count = static_cast<int>(kernels.size());
   std::vector<Image> images;
   for (int l = 0; l < count; ++l)
@@ -304,7 +325,8 @@ std::vector<Image> convolve_sharp(const RowSpectrum& map, const std::vector<GgxK
               last = std::min(first + Pairs::kCount, (rows + 1) / 2);
     ScratchPool<GroupScratch>::Lease scratch(scratches);
     std::vector<RowSpectrum>& sums = scratch->sums;
-    while (static_cast<int>(sums.size()) < count) sums.emplace_back(2 * Pairs::kCount, orders);
+    while (static_cast<int>(sums.size()) < count)
+      sums.emplace_back(2 * Pairs::kCount, core.orders(static_cast<int>(sums.size())));
     std::vector<StoredLanes*> north(count), south(count);
     for (int i = first; i < last; ++i) {
       for (int l = 0; l < count; ++l) {
@@ -319,7 +341,7 @@ std::vector<Image> convolve_sharp(const RowSpectrum& map, const std::vector<GgxK
         return std::as_const(sums[l]).row(
             j < rows / 2 + rows % 2 ? j - first : 2 * Pairs::kCount - 1 - (rows - 1 - j - first));
       };
-      fft.texels_of_spectra({first, rows, spectrum_row}, orders,
+      fft.texels_of_spectra({first, rows, spectrum_row}, core.orders(l),
                             {first, rows, [&](int j) { return texels + std::size_t(j) * width * 3; }},
                             scratch->fft);
     }

@@ -97,12 +97,19 @@ class FewerRows {
   std::vector<Share> shares_;
 };
 
+struct AnalysisScratch {
+  std::vector<Lanes> padded, column, margins, degrees;
+};
+
 void analyse_orders(const RowSpectrum& spectrum, const LegendreTable& table, const FewerRows& fewer,
-                    const std::vector<RowBlock>& blocks, int first, int last,
-                    HarmonicCoefficients& coefficients) {
+                    const std::vector<RowBlock>& blocks, const std::vector<double>& sin_theta, int first,
+                    int last, HarmonicCoefficients& coefficients, AnalysisScratch& scratch) {
   const int rows = spectrum.rows(), fewer_rows = fewer.rows();
-  std::vector<Lanes> padded(std::size_t(rows + 6) * kOrdersAtOnce), column(rows),
-      margins(fewer_rows + 2 * FewerRows::kNodes), scratch(2 * table.bands());
+  scratch.padded.resize(std::size_t(rows + 6) * kOrdersAtOnce);
+  scratch.column.resize(rows);
+  scratch.margins.resize(fewer_rows + 2 * FewerRows::kNodes);
+  scratch.degrees.resize(2 * table.bands());
+  Lanes *padded = scratch.padded.data(), *column = scratch.column.data();
   const double weight = 2 * std::numbers::pi * std::numbers::pi / rows;
   in_widest_registers([&]() __attribute__((always_inline)) {
     for (int j = 0; j < rows; ++j) {
@@ -111,15 +118,14 @@ void analyse_orders(const RowSpectrum& spectrum, const LegendreTable& table, con
         padded[std::size_t(m - first) * (rows + 6) + j + 3] = weight * row[m].widen();
     }
   });
-  std::vector<double> sin_theta(rows);
-  for (int j = 0; j < rows; ++j) sin_theta[j] = std::sin(std::numbers::pi * (j + 0.5) / rows);
 
+  FirstDegrees sectoral(table, blocks, first);
   for (int m = first; m < last; ++m) {
-    integrate_cells(padded.data() + std::size_t(m - first) * (rows + 6) + 3, rows, m, sin_theta,
-                    column.data());
-    fewer.hand_over(column.data(), m, margins.data());
-    const LegendreOrder legendre(table, m, table.bands());
-    for (std::size_t b = legendre.first_block(blocks) / 2 * 2; b < blocks.size(); b += 2) {
+    if (m > first) sectoral.next_order();
+    integrate_cells(padded + std::size_t(m - first) * (rows + 6) + 3, rows, m, sin_theta, column);
+    fewer.hand_over(column, m, scratch.margins.data());
+    const LegendreOrder legendre(sectoral, table.bands());
+    for (std::size_t b = legendre.first_pair(); b < blocks.size(); b += 2) {
       // Rows that only fill up a block count as 0, not as whatever was there.
       Lanes even[16] = {}, odd[16] = {};
       const int begin = static_cast<int>(b) * 8;
@@ -132,7 +138,7 @@ void analyse_orders(const RowSpectrum& spectrum, const LegendreTable& table, con
           odd[i] = column[j] - south;
         }
       });
-      legendre.add_to_degrees(blocks[b], blocks[b + 1], even, odd, coefficients.order(m), scratch.data());
+      legendre.add_to_degrees(b, even, odd, coefficients.order(m), scratch.degrees.data());
     }
   }
 }
@@ -153,23 +159,31 @@ void analyse_orders(const RowSpectrum& spectrum, const LegendreTable& table, con
   }
 }
 
-// column: of row 0; that of the next row is kOrdersAtOnce further on.
-void synthesise_order(const HarmonicCoefficients& coefficients, const LegendreTable& table,
-                      const std::vector<double>& kernel, const std::vector<RowBlock>& blocks, int m, int rows,
-                      std::vector<double>& scaled, StoredLanes* column) {
-  constexpr int n = LegendreOrder::kPlanes;
-  const LegendreOrder legendre(table, m, static_cast<int>(kernel.size()));
-  const Lanes* source = coefficients.order(m);
-  for (int k = 0; k < legendre.degrees(); ++k)
-    for (int c = 0; c < n; ++c) scaled[k * n + c] = kernel[m + k] * source[k][c];
+struct SynthesisScratch {
+  std::vector<Lanes> scaled;
+  std::vector<StoredLanes> columns;
+};
 
-  const std::size_t first = legendre.first_block(blocks) / 2 * 2;
+// column: of row 0; that of the next row is kOrdersAtOnce further on.
+void synthesise_order(const HarmonicCoefficients& coefficients, const FirstDegrees& sectoral,
+                      const std::vector<double>& kernel, int rows, Lanes* scaled, StoredLanes* column) {
+  constexpr int n = LegendreOrder::kPlanes;
+  const LegendreOrder legendre(sectoral, static_cast<int>(kernel.size()));
+  const int degrees = legendre.degrees();
+  const Lanes* source = coefficients.order(sectoral.order());
+  const double* factors = kernel.data() + sectoral.order();
+  in_widest_registers([=]() __attribute__((always_inline)) {
+    for (int k = 0; k < degrees; ++k) scaled[k] = factors[k] * source[k];
+  });
+
+  const std::vector<RowBlock>& blocks = sectoral.blocks();
+  const std::size_t first = legendre.first_pair();
   for (int j = 0; j < std::min<int>(static_cast<int>(first) * 8, (rows + 1) / 2); ++j)
     column[std::size_t(j) * kOrdersAtOnce] = column[std::size_t(rows - 1 - j) * kOrdersAtOnce] =
         StoredLanes{};
   for (std::size_t b = first; b < blocks.size(); b += 2) {
     Lanes even[2 * n], odd[2 * n];
-    legendre.sum_degrees(blocks[b], blocks[b + 1], scaled.data(), even, odd);
+    legendre.sum_degrees(b, scaled, even, odd);
     const int j = static_cast<int>(b) * 8, upper = blocks[b].rows, lower = blocks[b + 1].rows;
     in_widest_registers([ =, &even, &odd ]() __attribute__((always_inline)) {
       store_rows(even, odd, j, upper, rows, column);
@@ -227,10 +241,15 @@ HarmonicCoefficients analyse(const RowSpectrum& spectrum, const LegendreTable& t
   const std::vector<RowBlock> blocks = northern_blocks(fewer.rows());
   const int orders = std::min(table.bands(), spectrum.orders());
   const int tasks = (orders + kOrdersAtOnce - 1) / kOrdersAtOnce;
+  std::vector<double> sin_theta;
+  for (int j = 0; j < spectrum.rows(); ++j)
+    sin_theta.push_back(std::sin(std::numbers::pi * (j + 0.5) / spectrum.rows()));
+  ScratchPool<AnalysisScratch> scratches;
   work.parallel_for(tasks, kOrderCost_us * kOrdersAtOnce, [&](std::size_t task) {
+    ScratchPool<AnalysisScratch>::Lease scratch(scratches);
     const int first = static_cast<int>(task) * kOrdersAtOnce;
-    analyse_orders(spectrum, table, fewer, blocks, first, std::min(first + kOrdersAtOnce, orders),
-                   coefficients);
+    analyse_orders(spectrum, table, fewer, blocks, sin_theta, first, std::min(first + kOrdersAtOnce, orders),
+                   coefficients, *scratch);
   });
   return coefficients;
 }
@@ -243,14 +262,21 @@ RowSpectrum synthesise(const HarmonicCoefficients& coefficients, const LegendreT
   RowSpectrum spectrum(rows, orders);
   const std::vector<RowBlock> blocks = northern_blocks(rows);
   const int tasks = (orders + kOrdersAtOnce - 1) / kOrdersAtOnce;
+  ScratchPool<SynthesisScratch> scratches;
   work.parallel_for(tasks, kOrderCost_us * kOrdersAtOnce, [&](std::size_t task) {
     const int first = static_cast<int>(task) * kOrdersAtOnce, last = std::min(first + kOrdersAtOnce, orders);
-    std::vector<double> scaled(std::size_t(orders) * LegendreOrder::kPlanes);
-    std::vector<StoredLanes> columns(std::size_t(rows) * kOrdersAtOnce);
-    for (int m = first; m < last; ++m)
-      synthesise_order(coefficients, table, kernel, blocks, m, rows, scaled, columns.data() + (m - first));
+    ScratchPool<SynthesisScratch>::Lease scratch(scratches);
+    scratch->scaled.resize(orders);
+    scratch->columns.resize(std::size_t(rows) * kOrdersAtOnce);
+    FirstDegrees sectoral(table, blocks, first);
+    for (int m = first; m < last; ++m) {
+      if (m > first) sectoral.next_order();
+      synthesise_order(coefficients, sectoral, kernel, rows, scratch->scaled.data(),
+                       scratch->columns.data() + (m - first));
+    }
     for (int j = 0; j < rows; ++j)
-      std::copy_n(columns.data() + std::size_t(j) * kOrdersAtOnce, last - first, spectrum.row(j) + first);
+      std::copy_n(scratch->columns.data() + std::size_t(j) * kOrdersAtOnce, last - first,
+                  spectrum.row(j) + first);
   });
   return spectrum;
 }

@@ -1,7 +1,8 @@
 // Equirect map -> square octahedral tile.
 #pragma once
 
-#include <vector>
+#include <cstddef>
+#include <memory>
 
 #include "renderer/base/worker_pool.hpp"
 #include "renderer/image/image.hpp"
@@ -11,7 +12,14 @@ namespace furnace {
 // Four floats that are computed together: RGB and a spare.
 struct Quad {
   typedef float Vector __attribute__((vector_size(16)));
-  Vector v = {};
+  Vector v;  // Quad{} is zero, plain Quad is not set
+};
+
+// A square of an RGBA kFloat16 image.
+struct TileTexels {
+  Image& image;
+  int x = 0, y = 0;  // px, of its upper left texel
+  int inner = 0;     // px, even
 };
 
 // Fills tiles one after the other; its buffers are kept from one to the next.
@@ -20,21 +28,17 @@ class TileResampler {
  public:
   explicit TileResampler(WorkerPool& pool) : pool_(pool) {}
 
-  // The map at the centres of inner x inner texels (inner even), adjusted so that bilinear reading between them has the
-  // least error in the mean square. Row by row; valid until the next call.
-  const std::vector<Quad>& resample(const Image& equirect, int inner);
+  // The map times `scale` at the centres of the tile's texels, adjusted so that bilinear reading between them has the least
+  // error in the mean square; alpha 1.
+  void resample(const Image& equirect, float scale, const TileTexels& tile);
 
  private:
-  void pad(const Image& equirect);
-  void sample_all(int inner);
-  void sharpen(int inner);
+  void sample_all(const Image& equirect, int inner);
+  void sharpen(float scale, const TileTexels& tile);
 
   WorkerPool& pool_;
-  int width_ = 0;   // of the equirect, px
-  int height_ = 0;  // px
-  std::vector<Quad> padded_;
-  std::vector<Quad> sampled_;
-  std::vector<Quad> tile_;
+  std::unique_ptr<Quad[]> sampled_;  // row by row
+  std::size_t capacity_ = 0;
 };
 
 // The texel that stands at (i, j) when the tile is continued by one texel beyond its edges: an edge meets its own mirror

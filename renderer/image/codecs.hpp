@@ -14,9 +14,10 @@ namespace furnace {
 // Textures are scaled down from here; what is longer is a mistake or worse.
 inline constexpr int kMostSidePx = 65536;
 
-enum class Shape { kAny, kEquirect };
+enum class Shape { kAny, kEnvironment };
 
-// Fails with kTooLarge, naming the limit that was broken; kUnprocessable for an equirect that is not 2:1.
+// Fails with kTooLarge, naming the limit that was broken; kUnprocessable for an environment that has no
+// EnvironmentLayout.
 void check_extent(std::string_view format, std::int64_t width, std::int64_t height,
                   const DecodeLimits& limits, Shape shape = Shape::kAny);
 
@@ -37,8 +38,9 @@ void check_ktx2_readable(std::span<const std::byte> file);
 
 // RGB, kFloat32, exactly as stored: NaN, infinities and negative values included. Threads: any.
 Image decode_rgbe(std::span<const std::byte> file, const DecodeLimits& limits,
-                  Shape shape = Shape::kEquirect);
-Image decode_exr(std::span<const std::byte> file, const DecodeLimits& limits, Shape shape = Shape::kEquirect);
+                  Shape shape = Shape::kEnvironment);
+Image decode_exr(std::span<const std::byte> file, const DecodeLimits& limits,
+                 Shape shape = Shape::kEnvironment);
 
 // The rules of decode_environment, on any RGB kFloat32 image.
 RepairReport repair_radiance(Image& image);

@@ -171,11 +171,12 @@ void check_extent(std::string_view format, std::int64_t width, std::int64_t heig
     fail(ErrorCode::kTooLarge, fmt::format("the {} has {} x {} pixels; {} in all are allowed", format, width,
                                            height, limits.max_area_px));
   }
-  if (shape == Shape::kAny || width == 2 * height) return;
+  if (shape == Shape::kAny) return;
+  if (layout_of(width, height, EnvironmentLayout::kAuto) != EnvironmentLayout::kAuto) return;
   fail(ErrorCode::kUnprocessable,
        fmt::format(
-           "an environment is an equirectangular map twice as wide as high, but this {} has {} x {} pixels; "
-           "resample it to {} x {}",
+           "an environment is an equirectangular map twice as wide as high, or a cube as a cross (4:3, 3:4) "
+           "or a strip (6:1, 1:6), but this {} has {} x {} pixels; resample it to {} x {}",
            format, width, height, 2 * height, height));
 }
 
@@ -246,7 +247,28 @@ RepairReport repair_radiance(Image& image) {
   return report;
 }
 
-DecodedEnvironment decode_environment(std::span<const std::byte> file, const DecodeLimits& limits) {
+namespace {
+
+// As the picture lies in its file -> as an equirect.
+void lay_out(EnvironmentLayout asked, const DecodeLimits& limits, DecodedEnvironment& environment) {
+  const Extent picture = environment.equirect.extent;
+  environment.layout = layout_of(picture.width, picture.height, asked);
+  if (environment.layout == EnvironmentLayout::kAuto) {
+    const EnvironmentLayout found = layout_of(picture.width, picture.height, EnvironmentLayout::kAuto);
+    fail(ErrorCode::kUnprocessable,
+         fmt::format("{} x {} pixels are no {} but a {}; say so, or leave the layout to \"auto\"",
+                     picture.width, picture.height, name_of(asked), name_of(found)));
+  }
+  if (environment.layout == EnvironmentLayout::kEquirect) return;
+  const int side = face_side(picture, environment.layout);
+  check_extent("map that this cube gives", 4 * std::int64_t{side}, 2 * std::int64_t{side}, limits);
+  environment.equirect = equirect_of_cube(environment.equirect, environment.layout);
+}
+
+}  // namespace
+
+DecodedEnvironment decode_environment(std::span<const std::byte> file, const DecodeLimits& limits,
+                                      EnvironmentLayout layout) {
   DecodedEnvironment environment;
   const ImageFormat format = sniff_image_format(file);
   switch (format) {
@@ -262,6 +284,7 @@ DecodedEnvironment decode_environment(std::span<const std::byte> file, const Dec
                        image_format_name(format)));
   }
   environment.repairs = repair_radiance(environment.equirect);
+  lay_out(layout, limits, environment);
   return environment;
 }
 

@@ -1,6 +1,7 @@
 // Encoded bytes -> pixels, one codec per format (codecs.hpp); nothing is trusted before the header was checked.
 #pragma once
 
+#include "renderer/image/environment_layout.hpp"
 #include "renderer/image/image.hpp"
 #include "renderer/base/blob.hpp"
 
@@ -60,12 +61,14 @@ struct RepairReport {
 struct DecodedEnvironment {
   Image equirect;  // RGB, kFloat32, kLinear, every sample finite and >= 0; aspect 2:1
   RepairReport repairs;
+  EnvironmentLayout layout = EnvironmentLayout::kEquirect;  // of the file; not kAuto
 };
 
 // .hdr (RGBE, all RLE variants) and .exr (half/float/uint, scanline/tiled/mip-mapped, first part, data window
-// filled into display window) equirects. NaN -> mean of valid neighbours (0 without any), +inf -> largest
+// filled into display window) equirects, or cubes, which become equirects four faces wide. NaN -> mean of valid neighbours (0 without any), +inf -> largest
 // finite value of that channel, negative and -inf -> 0; counted in `repairs`. Errors as decode_texture;
-// kUnprocessable for an aspect ratio other than 2:1, saying what to do.
-DecodedEnvironment decode_environment(std::span<const std::byte> file, const DecodeLimits& limits);
+// kUnprocessable for an aspect ratio other than that of `layout` or, for kAuto, of any, saying what to do.
+DecodedEnvironment decode_environment(std::span<const std::byte> file, const DecodeLimits& limits,
+                                      EnvironmentLayout layout = EnvironmentLayout::kAuto);
 
 }  // namespace furnace

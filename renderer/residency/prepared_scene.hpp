@@ -42,7 +42,8 @@ struct PreparedTexture {
 struct EnvironmentSummary {
   bool operator==(const EnvironmentSummary&) const = default;
 
-  Extent size;  // px, of the map
+  Extent size;                                              // px, of the map
+  EnvironmentLayout layout = EnvironmentLayout::kEquirect;  // of its file
   RepairReport repairs;
   std::array<double, 3> mean{};  // solid-angle weighted radiance, linear Rec. 709
   double peak = 0;

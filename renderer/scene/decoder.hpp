@@ -25,8 +25,8 @@ class Decoder {
   virtual DecodedTexture texture(std::span<const std::byte> file, ColorSpace color_space,
                                  const DecodeLimits& limits, const Deadline& deadline) = 0;
   // As decode_environment.
-  virtual DecodedEnvironment environment(std::span<const std::byte> file, const DecodeLimits& limits,
-                                         const Deadline& deadline) = 0;
+  virtual DecodedEnvironment environment(std::span<const std::byte> file, EnvironmentLayout layout,
+                                         const DecodeLimits& limits, const Deadline& deadline) = 0;
   // As decode_draco.
   virtual DracoMesh draco(std::span<const std::byte> bytes, const DracoRequest& request,
                           const Deadline& deadline) = 0;

@@ -3,11 +3,13 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include <glm/glm.hpp>
 
 #include "renderer/image/image.hpp"
+#include "renderer/scene/procedural_environment.hpp"
 #include "renderer/scene/transform.hpp"
 
 namespace furnace {
@@ -65,18 +67,22 @@ double EquirectGrid::mean_over_texel(int row, int column, ValueOf&& value) const
   return sum / (kSide * kSide);
 }
 
+// Calls paint(row) for each row, in any order.
+void paint_rows(const Painting& painting, int rows, const std::function<void(int row)>& paint);
+
 // RGB kFloat32; paint(row, radiance) fills one row of a std::vector<glm::dvec3>.
 template <class PaintRow>
-Image paint_equirect(Extent extent, PaintRow&& paint) {
+Image paint_equirect(Extent extent, PaintRow&& paint, const Painting& painting = {}) {
   Image image = make_image(extent, 3, SampleType::kFloat32, ColorSpace::kLinear);
-  std::vector<glm::dvec3> radiance(extent.width);
-  float* sample = image.samples<float>().data();
-  for (int row = 0; row < extent.height; ++row) {
+  float* const samples = image.samples<float>().data();
+  paint_rows(painting, extent.height, [&](int row) {
+    std::vector<glm::dvec3> radiance(extent.width);
     paint(row, radiance);
+    float* sample = samples + std::size_t(row) * extent.width * 3;
     for (const glm::dvec3& texel : radiance)
       for (int channel = 0; channel < 3; ++channel)
         *sample++ = float(round_to_half_precision(texel[channel]));
-  }
+  });
   return image;
 }
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 
 namespace furnace {
 namespace {
@@ -31,9 +32,11 @@ Image paint_gradient(const GradientEnvironment& gradient) {
 }
 
 struct Painter {
+  const Painting& painting;
+
   Image operator()(const GradientEnvironment& gradient) const { return paint_gradient(gradient); }
   Image operator()(const OvercastEnvironment& overcast) const { return paint_overcast(overcast); }
-  Image operator()(const ClearSkyEnvironment& sky) const { return paint_clear_sky(sky); }
+  Image operator()(const ClearSkyEnvironment& sky) const { return paint_clear_sky(sky, painting); }
   Image operator()(const StudioEnvironment& studio) const { return paint_studio(studio); }
 };
 
@@ -69,8 +72,18 @@ double EquirectGrid::texel_sr(int row) const {
   return 2 * kPi / extent.width * (std::cos(top) - std::cos(bottom));
 }
 
-Image paint_environment(const ProceduralEnvironment& environment) {
-  return std::visit(Painter{}, environment);
+void paint_rows(const Painting& painting, int rows, const std::function<void(int row)>& paint) {
+  constexpr double kRowCost_us = 200;
+  const auto paint_one = [&](std::size_t row) {
+    check_deadline(painting.deadline, "environment: painting");
+    paint(static_cast<int>(row));
+  };
+  if (painting.pool != nullptr) return painting.pool->parallel_for(std::size_t(rows), kRowCost_us, paint_one);
+  for (int row = 0; row < rows; ++row) paint_one(std::size_t(row));
+}
+
+Image paint_environment(const ProceduralEnvironment& environment, const Painting& painting) {
+  return std::visit(Painter{painting}, environment);
 }
 
 std::optional<Image> builtin_environment(std::string_view name) {

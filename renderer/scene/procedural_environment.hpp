@@ -6,6 +6,8 @@
 
 #include <glm/glm.hpp>
 
+#include "renderer/base/deadline.hpp"
+#include "renderer/base/worker_pool.hpp"
 #include "renderer/image/image.hpp"
 #include "renderer/scene/transform.hpp"
 
@@ -76,7 +78,13 @@ struct StudioEnvironment {
 using ProceduralEnvironment =
     std::variant<GradientEnvironment, OvercastEnvironment, ClearSkyEnvironment, StudioEnvironment>;
 
-// RGB kFloat32 equirect in the convention of ibl/baked_environment.hpp, as large as its edges need.
-Image paint_environment(const ProceduralEnvironment& environment);
+// Who works, and for how long: what takes long is painted row by row on the pool. The picture does not depend on it.
+struct Painting {
+  WorkerPool* pool = nullptr;  // null: the caller alone
+  Deadline deadline = {};
+};
+
+// RGB kFloat32 equirect in the convention of ibl/baked_environment.hpp, as large as its edges need. Errors: kDeadlineExceeded.
+Image paint_environment(const ProceduralEnvironment& environment, const Painting& painting = {});
 
 }  // namespace furnace

@@ -130,8 +130,9 @@ class CanonicalHash {
   }
 
   void add(const EnvironmentFile& value) {
-    const auto& [bytes] = value;
+    const auto& [bytes, layout] = value;
     add(bytes.hash());
+    if (layout != EnvironmentLayout::kAuto) add(layout);
   }
 
   void add(const EnvironmentColor& value) {

@@ -14,6 +14,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "renderer/image/encode.hpp"
+#include "renderer/image/environment_layout.hpp"
 #include "renderer/image/image.hpp"
 #include "renderer/scene/film_layer.hpp"
 #include "renderer/scene/gltf_import.hpp"
@@ -92,6 +93,7 @@ struct SceneSpec {
 
 struct EnvironmentFile {
   Blob bytes;  // .hdr or .exr
+  EnvironmentLayout layout = EnvironmentLayout::kAuto;
 };
 struct EnvironmentColor {
   glm::vec3 radiance{1};

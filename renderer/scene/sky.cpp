@@ -132,7 +132,10 @@ std::vector<Row> preetham_dome(const EquirectGrid& grid) {
 class ScatteredSky {
  public:
   ScatteredSky(const EquirectGrid& grid, const Atmosphere& atmosphere, const ClearSkyEnvironment& sky)
-      : grid_(grid), atmosphere_(atmosphere), sun_(direction_of(sky.sun_azimuth_rad, sky.sun_elevation_rad)) {
+      : grid_(grid),
+        atmosphere_(atmosphere),
+        sun_(direction_of(sky.sun_azimuth_rad, sky.sun_elevation_rad)),
+        horizon_(atmosphere.ring(0)) {
     for (int column = 0; column < grid.extent.width; ++column) {
       const double azimuth = std::atan2(grid.cos_phi[column], grid.sin_phi[column]);
       azimuth_from_sun_.push_back(std::abs(std::remainder(azimuth - sky.sun_azimuth_rad, 2 * kPi)));
@@ -141,7 +144,8 @@ class ScatteredSky {
 
   // Luminance; below the horizon that of the haze in front of the ground.
   void paint(int row, Row& luminance) const {
-    const Atmosphere::Ring ring = atmosphere_.ring(std::max(0.0, grid_.elevation_rad(row)));
+    const double elevation_rad = grid_.elevation_rad(row);
+    const Atmosphere::Ring ring = elevation_rad > 0 ? atmosphere_.ring(elevation_rad) : horizon_;
     for (int column = 0; column < grid_.extent.width; ++column)
       luminance[column] =
           glm::max(glm::dvec3(0), Atmosphere::luminance(ring, azimuth_from_sun_[column],
@@ -152,6 +156,7 @@ class ScatteredSky {
   const EquirectGrid& grid_;
   const Atmosphere& atmosphere_;
   glm::dvec3 sun_;
+  Atmosphere::Ring horizon_;
   std::vector<double> azimuth_from_sun_;
 };
 
@@ -248,12 +253,12 @@ Image paint_overcast(const OvercastEnvironment& overcast) {
 
 // Steps: the dome in physical units, the sun's disc into it, white balance and exposure, then the ground under
 // it.
-Image paint_clear_sky(const ClearSkyEnvironment& sky) {
+Image paint_clear_sky(const ClearSkyEnvironment& sky, const Painting& painting) {
   const Atmosphere atmosphere(sky.turbidity, sky.ground_albedo, sky.sun_elevation_rad);
   const EquirectGrid grid(sky.sun_disc ? kFineEquirectExtent : kEquirectExtent);
   const ScatteredSky scattered(grid, atmosphere, sky);
   std::vector<Row> dome(grid.extent.height / 2, Row(grid.extent.width));
-  for (std::size_t row = 0; row < dome.size(); ++row) scattered.paint(int(row), dome[row]);
+  paint_rows(painting, int(dome.size()), [&](int row) { scattered.paint(row, dome[std::size_t(row)]); });
   const Disc disc{direction_of(sky.sun_azimuth_rad, sky.sun_elevation_rad), sky.sun_radius_rad};
   const auto sun = [&](double elevation_rad) {
     return glm::max(glm::dvec3(0), atmosphere.sun_illuminance(elevation_rad));
@@ -271,14 +276,17 @@ Image paint_clear_sky(const ClearSkyEnvironment& sky) {
     gain *= exposure;
   }
   const glm::dvec3 plain = sky.ground_albedo / kPi * horizontal_irradiance(grid, dome);
-  return paint_equirect(grid.extent, [&](int row, Row& radiance) {
-    if (row < int(dome.size())) {
-      radiance = dome[row];
-      return;
-    }
-    scattered.paint(row, radiance);
-    for (glm::dvec3& texel : radiance) texel = ground(grid.cos_theta[row], kLowEye, plain, gain * texel);
-  });
+  return paint_equirect(
+      grid.extent,
+      [&](int row, Row& radiance) {
+        if (row < int(dome.size())) {
+          radiance = dome[row];
+          return;
+        }
+        scattered.paint(row, radiance);
+        for (glm::dvec3& texel : radiance) texel = ground(grid.cos_theta[row], kLowEye, plain, gain * texel);
+      },
+      painting);
 }
 
 // Steps as there, but the white balance and exposure make the horizontal irradiance pi in every channel.

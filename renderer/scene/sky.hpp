@@ -7,7 +7,7 @@
 namespace furnace {
 
 Image paint_overcast(const OvercastEnvironment& overcast);  // 256 x 128
-Image paint_clear_sky(const ClearSkyEnvironment& sky);
+Image paint_clear_sky(const ClearSkyEnvironment& sky, const Painting& painting);
 
 // Preetham's sky, with a sun of true size at 45 degrees: 1024 x 512; horizontal irradiance pi in each channel,
 // sun included.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <thread>
 
@@ -26,6 +27,7 @@ struct Arguments {
   std::string input, folder;
   std::string method = "spectral";
   std::string sun = "keep";
+  EnvironmentLayout layout = EnvironmentLayout::kAuto;
   int threads = 0;
   Config config;  // of the decoders
 };
@@ -68,6 +70,7 @@ int bake(const Arguments& arguments) {
   EnvironmentBakeSettings settings;
   if (arguments.method == "riemann") settings.irradiance = IrradianceMethod::kRiemann;
   if (arguments.sun == "extract") settings.sun = SunMode::kExtract;
+  settings.layout = arguments.layout;
   settings.progress = tell_progress();
   WorkerPool pool(arguments.threads > 0 ? arguments.threads
                                         : int(std::max(1u, std::thread::hardware_concurrency())));
@@ -77,8 +80,8 @@ int bake(const Arguments& arguments) {
       bake_whole_environment(encoded, settings, pool, decoders.decoder(), Deadline());
   const api::EnvironmentReport report =
       report_of(fs::path(arguments.input).filename().string(), encoded, baked);
-  tell("baked", fmt::format("{} x {} px in {:.1f} ms, {} maps", report.width, report.height, report.bake_ms,
-                            report.maps.size()));
+  tell("baked", fmt::format("{}, {} x {} px in {:.1f} ms, {} maps", report.layout, report.width,
+                            report.height, report.bake_ms, report.maps.size()));
   // The report last: where it stands, every map stands.
   for (const EnvironmentMap& map : baked.list()) {
     const fs::path path = folder / (map.name + ".exr");
@@ -108,6 +111,14 @@ Command bake_command(CLI::App& root) {
       ->add_option("--sun", arguments->sun,
                    "keep, or extract: maps of what is left without the suns that the report lists")
       ->check(CLI::IsMember({"keep", "extract"}));
+  std::map<std::string, EnvironmentLayout> layouts;
+  for (int k = 0; k <= int(kLastEnvironmentLayout); ++k)
+    layouts.emplace(name_of(EnvironmentLayout(k)), EnvironmentLayout(k));
+  command
+      ->add_option("--layout", arguments->layout,
+                   "auto, or what the picture must be: equirect, or a cube as a cross or strip")
+      ->transform(CLI::CheckedTransformer(layouts))
+      ->option_text("LAYOUT");
   command->add_option("--threads", arguments->threads, "0: one a core")->check(CLI::Range(0, 1024));
   add_decoder_option(*command, arguments->config);
   return {command, [arguments] { return bake(*arguments); }};

@@ -223,7 +223,9 @@ int render(Arguments arguments) {
   Rendered rendered;
   for (int i = 0; i < arguments.repeat; ++i) {
     const auto start = Clock::now();
-    rendered = engine.service.render(spec, deadline, tell_frame);
+    rendered = engine.service.render(spec, deadline, [](const RenderProgress& now) {
+      if (now.stage.empty()) tell_frame(now.frames_done, now.frames);
+    });
     tell_picture(rendered, std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   }
   tell_notes(rendered.image->notes);

@@ -64,7 +64,7 @@ Made texture(Decoder& decoder, const Blob& file, ColorSpace color_space, const D
 
 Made environment(Decoder& decoder, const Blob& file, const DecodeLimits& limits) {
   return made_by([&](Made& made) {
-    DecodedEnvironment decoded = decoder.environment(file, limits, Deadline());
+    DecodedEnvironment decoded = decoder.environment(file, EnvironmentLayout::kAuto, limits, Deadline());
     made.images.push_back(std::move(decoded.equirect));
     made.repairs = decoded.repairs;
   });
@@ -188,8 +188,8 @@ TEST(Decoders, AgreeOnColorSpaceAndRepairs) {
   EXPECT_EQ(image.levels.at(0).color_space, ColorSpace::kSrgb);
   Image dirty = ramp({8, 4});
   dirty.samples<float>()[7] = -3;
-  const DecodedEnvironment map =
-      process_decoder().environment(Blob(encode_exr(dirty, {})), DecodeLimits{}, Deadline());
+  const DecodedEnvironment map = process_decoder().environment(
+      Blob(encode_exr(dirty, {})), EnvironmentLayout::kAuto, DecodeLimits{}, Deadline());
   EXPECT_EQ(map.repairs.negative_samples, 1);
   EXPECT_EQ(map.equirect.samples<float>()[7], 0);
   EXPECT_EQ(map.equirect.samples<float>()[8], dirty.samples<float>()[8]);

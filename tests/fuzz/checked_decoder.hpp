@@ -22,9 +22,9 @@ class CheckedDecoder : public Decoder {
                          const Deadline&) override {
     return checked(decode::TextureJob{color_space, limits}, file);
   }
-  DecodedEnvironment environment(std::span<const std::byte> file, const DecodeLimits& limits,
-                                 const Deadline&) override {
-    return checked(decode::EnvironmentJob{limits}, file);
+  DecodedEnvironment environment(std::span<const std::byte> file, EnvironmentLayout layout,
+                                 const DecodeLimits& limits, const Deadline&) override {
+    return checked(decode::EnvironmentJob{limits, layout}, file);
   }
   DracoMesh draco(std::span<const std::byte> bytes, const DracoRequest& request, const Deadline&) override {
     check_draco_request(request);

@@ -85,6 +85,35 @@ class Named(Case):
             self.expect_problem(self.put(server, "two"), 413)
             self.assertEqual(self.put(server, "one").status, 200)
 
+    # Face by face a colour: what the server makes of it is downloaded and drawn as a map of its own.
+    def test_a_cube_is_the_equirect_that_it_shows(self):
+        side = 16
+        cells = {(2, 1): (200, 20, 20), (0, 1): (20, 200, 20), (1, 0): (20, 20, 200),
+                 (1, 2): (200, 200, 20), (1, 1): (20, 200, 200), (3, 1): (200, 20, 200)}
+        path = os.path.join(self.folder.name, "cross.hdr")
+        with open(path, "wb") as file:
+            file.write(support.write_hdr(4 * side, 3 * side,
+                                         lambda x, y: (*cells.get((x // side, y // side), (0, 0, 0)), 129)))
+        with Server() as server:
+            report = json.loads(self.put(server, "cross", path).body)
+            self.assertEqual((report["layout"], report["width"], report["height"]), ("horizontal-cross", 64, 32))
+            self.assertEqual(json.loads(self.put(server, "lawn").body)["layout"], "equirect")
+            equirect = os.path.join(self.folder.name, "equirect.exr")
+            with open(equirect, "wb") as file:
+                file.write(server.curl("/v1/environments/cross/background.exr").body)
+            self.assertEqual(json.loads(self.put(server, "flat", equirect).body)["layout"], "equirect")
+            pixels = [answer.body[answer.body.index(b"IDAT"):] for answer in (self.draw(server, "cross"), self.draw(server, "flat"))]
+            self.assertEqual(*pixels)  # what stands before names the request
+            said = {"map": "environment:cross", "layout": "horizontal-cross",
+                    "background": {"map": "environment:cross", "layout": "horizontal-cross"}}
+            self.expect_picture(server.render({**small(), "environment": said}), 48, 32)
+            wrong = server.render({**small(), "environment": {**said, "layout": "vertical-strip"}})
+            self.expect_problem(wrong, 422)
+            self.assertIn("horizontal-cross", json.loads(wrong.body)["detail"])
+            nothing = server.render({**small(), "environment": {"map": "builtin:studio", "layout": "equirect"}})
+            self.expect_problem(nothing, 422)
+            self.assertEqual(json.loads(nothing.body)["pointer"], "/environment/layout")
+
     def test_a_restart_bakes_nothing_again(self):
         data = os.path.join(self.folder.name, "data")
         with Server("--data", data, *BAKES_ONLY) as server:
@@ -94,6 +123,51 @@ class Named(Case):
             second = self.draw(server)
         self.assertIn("bake;desc=disk", second.headers["server-timing"])
         self.assertEqual(first.body, second.body)
+
+    # A background of its own: the environment out of focus, another map sharp, another map out of focus.
+    def test_a_restart_blurs_nothing_again(self):
+        data = os.path.join(self.folder.name, "data")
+        other = os.path.join(self.folder.name, "other.hdr")
+        with open(other, "wb") as file:
+            file.write(sky(50))
+        backgrounds = [{"type": "environment", "blurDegrees": 6},
+                       {"type": "environment", "map": "environment:other"},
+                       {"type": "environment", "map": "environment:other", "blurDegrees": 20}]
+        wanted = [{**small(), "environment": {"map": "environment:lawn", "background": background}}
+                  for background in backgrounds]
+        with Server("--data", data, *BAKES_ONLY) as server:
+            self.put(server)
+            self.put(server, "other", other)
+            first = [server.render(request) for request in wanted]
+        self.assertEqual(len({answer.body for answer in first}), len(wanted))
+        for answer in first:
+            self.assertNotIn("bake;desc=disk", answer.headers["server-timing"])
+        with Server("--data", data, *BAKES_ONLY) as server:
+            second = [server.render(request) for request in wanted]
+            again = server.render({**wanted[0], "output": {"width": 47, "height": 32}})
+        for one, other in zip(first, second):
+            self.assertIn("bake;desc=disk", other.headers["server-timing"])
+            self.assertEqual(one.body, other.body)
+        self.assertIn("bake;desc=hit", again.headers["server-timing"])
+
+    def test_a_damaged_background_is_blurred_again(self):
+        data = os.path.join(self.folder.name, "data")
+        request = {**small(), "environment": {"map": "environment:lawn", "background": {"type": "environment", "blurDegrees": 6}}}
+        with Server("--data", data, *BAKES_ONLY) as server:
+            self.put(server)
+            kept = set(self.bakes(data))
+            first = server.render(request)
+            background, = set(self.bakes(data)) - kept
+        with open(background, "r+b") as file:
+            file.seek(-9, os.SEEK_END)
+            byte = file.read(1)
+            file.seek(-1, os.SEEK_CUR)
+            file.write(bytes([byte[0] ^ 1]))
+        for hit in (False, True):
+            with Server("--data", data, *BAKES_ONLY) as server:
+                again = server.render(request)
+            self.assertEqual("bake;desc=disk" in again.headers["server-timing"], hit)
+            self.assertEqual(first.body, again.body)
 
     def test_damaged_bakes_are_baked_again(self):
         data = os.path.join(self.folder.name, "data")
@@ -108,8 +182,11 @@ class Named(Case):
             self.assertNotIn("bake;desc=disk", again.headers["server-timing"])
             self.assertEqual(first.body, again.body)
 
+    def bakes(self, data):
+        return [path for path in support.files_below(data) if path.endswith(".exr")]
+
     def damage(self, data, change):
-        bakes = [path for path in support.files_below(data) if path.endswith(".exr")]
+        bakes = self.bakes(data)
         self.assertEqual(len(bakes), 1, bakes)
         with open(bakes[0], "rb") as file:
             content = file.read()
@@ -172,6 +249,21 @@ class CommandLine(unittest.TestCase):
                 for entry in report["maps"]:
                     self.assertTrue(os.path.getsize(os.path.join(out, entry["file"])) > 300, entry)
                 shutil.rmtree(out)
+
+    def test_bake_takes_cubes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "strip.hdr")
+            with open(path, "wb") as file:
+                file.write(support.write_hdr(8, 48, lambda x, y: (128, 128, 128, 128)))
+            run = lambda *layout: subprocess.run([support.FURNACE, "bake", path, "-o", os.path.join(folder, "maps"), *layout],
+                                                 capture_output=True).returncode
+            for layout in ((), ("--layout", "vertical-strip")):
+                self.assertEqual(run(*layout), 0)
+                with open(os.path.join(folder, "maps", "bake.json")) as file:
+                    report = json.load(file)
+                self.assertEqual((report["layout"], report["width"], report["height"]), ("vertical-strip", 32, 16))
+            self.assertEqual(run("--layout", "equirect"), 1)
+            self.assertEqual(run("--layout", "round"), 2)
 
     def test_failures(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -18,7 +18,10 @@ class FakePainter {
   std::atomic<int> drawn = 0;
 
   Painter painter(std::string fingerprint = "fake/1") {
-    return {[this](const RenderSpec& spec, const Deadline& deadline) { return draw(spec, deadline); },
+    return {[this](const RenderSpec& spec, const Deadline& deadline, const TellStage& tell) {
+              if (tell) tell("bake", 0.5);
+              return draw(spec, deadline);
+            },
             [](const RenderSpec&, const Deadline&) {
               return SceneOutline{{{glm::vec3(-1), glm::vec3(1)}, {{0, 0}, {1, 0}}, {{0, 0}, {1, 0}}}, 1};
             },

@@ -194,6 +194,15 @@ def write_hdr(width, height, pixel):
     return f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n".encode() + rows
 
 
+def write_large_hdr(width, height, pixel):
+    """RGBE with run lengths, each row of one colour: pixel(y) -> (r, g, b, e) bytes."""
+    def run(value):
+        whole, rest = divmod(width, 127)
+        return bytes((255, value)) * whole + (bytes((128 + rest, value)) if rest else b"")
+    rows = b"".join(bytes((2, 2, width >> 8, width & 255)) + b"".join(run(value) for value in pixel(y)) for y in range(height))
+    return f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n".encode() + rows
+
+
 def textured_quad(change=lambda document: None):
     """A quad that faces +Z with a texture, as {file name: bytes}: quad.gltf, quad.bin and red.png."""
     positions = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]

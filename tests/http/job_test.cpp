@@ -48,8 +48,9 @@ TEST_F(JobStoreTest, FromTheQueueToTheResult) {
   EXPECT_EQ(work->id, made.id);
   EXPECT_EQ(work->request.body, "{\"a\":\"\\u0000\"}" + std::string("\0x", 2));
   EXPECT_FALSE(store.begin(2000));
-  store.tell_progress(made.id, 3, 8);
-  EXPECT_EQ(store.find(made.id)->frames_done, 3);
+  store.tell_progress(made.id, {3, 8, "bake", 0.25});
+  EXPECT_EQ(store.find(made.id)->progress.frames_done, 3);
+  EXPECT_EQ(store.find(made.id)->progress.share, 0.25);
   EXPECT_EQ(store.find(made.id)->status, JobStatus::kRunning);
   const std::string result("\0bytes\xff", 7);
   store.succeed(made.id, result, 3000);
@@ -227,7 +228,7 @@ TEST_F(JobStoreTest, ThreadsWorkThroughTheList) {
   std::atomic<int> worked = 0;
   JobRunner runner(store,
                    [&](const JobRequest& request, const Deadline&, const auto& progress) -> std::string {
-                     progress(1, 2);
+                     progress({1, 2});
                      ++worked;
                      if (request.body == "bad") fail(ErrorCode::kUnprocessable, "no such thing", "/scene");
                      if (request.body == "stray") throw std::runtime_error("stray");

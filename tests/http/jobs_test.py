@@ -169,6 +169,46 @@ class Jobs(Case):
             self.assertEqual(last["id"], place.rsplit("/", 1)[1])
             self.assertEqual(server.curl(last["result"]).body.count(b"fcTL"), 3)
 
+    def render_with_large_sky(self, server, folder, seed, *flags):
+        path = os.path.join(folder, "sky.hdr")
+        with open(path, "wb") as file:
+            file.write(support.write_large_hdr(4096, 2048, lambda y: (100 + y % 100, 90 + seed, 80, 128)))
+        request = json.dumps({**small(), "environment": {"map": "part:sky"}})
+        return server.curl("/v1/renders", "-F", f"request={request};type=application/json", "-F", f"sky=@{path}", *flags)
+
+    def ask_with_large_sky(self, server, folder, seed):
+        answer = self.render_with_large_sky(server, folder, seed, *ASYNC)
+        self.assertEqual(answer.status, 202, answer.body[:500])
+        return answer.headers["location"]
+
+    def test_events_tell_how_far_a_bake_is(self):
+        with Server() as server, tempfile.TemporaryDirectory() as folder:
+            place = self.ask_with_large_sky(server, folder, 0)
+            blocks = [block for block in server.curl(place + "/events").body.decode().split("\n\n") if "data: " in block]
+            told = [json.loads(block.split("data: ", 1)[1]).get("progress", {}) for block in blocks]
+            self.wait(server, place)
+            shares = [progress.get("share", 0) for progress in told if progress.get("stage") == "bake"]
+            self.assertTrue(shares, told)
+            self.assertEqual(shares, sorted(shares))
+            self.assertTrue(all(0 <= share <= 1 for share in shares), shares)
+            self.assertNotIn("progress", json.loads(server.curl(place).body))
+
+    def test_cancelling_ends_a_bake(self):
+        with Server() as server, tempfile.TemporaryDirectory() as folder:
+            for seed in range(5):  # a machine may bake faster than it is told to stop
+                place = self.ask_with_large_sky(server, folder, seed)
+                while (job := self.job(server, place))["status"] in ("queued", "running"):
+                    if job.get("progress", {}).get("stage") == "bake":
+                        break
+                    time.sleep(0.005)
+                self.assertEqual(server.curl(place, "-X", "DELETE").status, 204)
+                # What had been baked to its end would be found.
+                again = self.render_with_large_sky(server, folder, seed)
+                self.expect_picture(again, 48, 32)
+                if "bake;desc=hit" not in again.headers["server-timing"]:
+                    return
+            self.fail("every bake was finished")
+
     def test_a_key_makes_one_job(self):
         with Server() as server:
             key = ("-H", 'Idempotency-Key: "8e03978e"')

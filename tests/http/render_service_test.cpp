@@ -75,7 +75,12 @@ TEST_F(RenderServiceTest, ASequenceIsOneFileOrOneForEachFrame) {
   EXPECT_EQ(fake_.drawn, 3);
   spec.output.format = OutputFormat::kWebp;
   std::vector<int> progress;
-  const Rendered webp = service_.render(spec, {}, [&](int done, int) { progress.push_back(done); });
+  const Rendered webp = service_.render(spec, {}, [&](const RenderProgress& now) {
+    if (now.stage.empty())
+      progress.push_back(now.frames_done);
+    else
+      EXPECT_EQ(now.stage, "bake");
+  });
   EXPECT_EQ(webp.image->media_type, "image/webp");
   EXPECT_EQ(webp.image->frames, 3);
   EXPECT_EQ(webp.times.draw_ms, 3);

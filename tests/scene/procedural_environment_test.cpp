@@ -1,10 +1,12 @@
 #include "renderer/scene/procedural_environment.hpp"
 
 #include "renderer/image/color.hpp"
+#include "renderer/base/error.hpp"
 #include "tests/scene/equirect_sums.hpp"
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 
 namespace furnace {
@@ -210,6 +212,24 @@ TEST(ClearSkyEnvironment, IsSaneFromTwilightToZenith) {
         for (int column = 0; column < sky.extent.width; column += 61)
           ASSERT_GT(texel(sky, row, column)[1], 0.01);
     }
+}
+
+TEST(ClearSkyEnvironment, IsTheSameWhoeverPaintsIt) {
+  WorkerPool pool(3);
+  const ClearSkyEnvironment described = sky_at(20, 3);
+  EXPECT_EQ(paint_environment(described, {&pool, {}}).pixels, paint_environment(described).pixels);
+}
+
+TEST(ClearSkyEnvironment, IsNotPaintedAfterItsTime) {
+  WorkerPool pool(2);
+  for (WorkerPool* workers : {static_cast<WorkerPool*>(nullptr), &pool}) {
+    try {
+      paint_environment(sky_at(20, 3), {workers, Deadline(std::chrono::milliseconds(0))});
+      FAIL() << "painted";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code, ErrorCode::kDeadlineExceeded);
+    }
+  }
 }
 
 glm::dvec3 light_vector_luminance(const Image& image) {
