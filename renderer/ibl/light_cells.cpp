@@ -95,6 +95,11 @@ MapSums::MapSums(const Image& equirect) {
   }
 }
 
+double solid_angle_sr(const Region& region, Extent extent) {
+  return (std::cos(pi * region.top / extent.height) - std::cos(pi * region.bottom / extent.height)) * 2 * pi *
+         (region.right - region.left) / extent.width;
+}
+
 // Where the part of the region before a line across one of its sides has `share` of its light.
 double place_of(const MapSums& sums, const Region& region, double Region::*from, double Region::*to,
                 double share) {
@@ -150,6 +155,7 @@ std::vector<LightDirection> light_cells(const Image& equirect, int count) {
     LightDirection light;
     light.towards = {std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
     light.irradiance = sums.flux(cell);
+    light.solid_angle_sr = solid_angle_sr(cell, extent);
     lights.push_back(light);
   }
   return lights;
