@@ -63,6 +63,16 @@ std::vector<LightDirection> in_world(std::vector<LightDirection> sources, const 
   return sources;
 }
 
+// Of all instances.
+std::size_t triangle_count(const PreparedScene& scene) {
+  std::size_t count = 0;
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = *scene.meshes[std::size_t(instance.mesh)].mesh;
+    if (mesh.topology == Topology::kTriangles) count += mesh.indices.size() / 3;
+  }
+  return count;
+}
+
 // The environment's light and that of directional lights, in world space: about `count` directions.
 std::vector<LightDirection> light_on_ground(const PreparedScene& scene, double rotation_rad, int count) {
   std::vector<LightDirection> sources =
@@ -238,7 +248,8 @@ void SceneStore::prepare_environment(const RenderSpec& spec, const ResidentKeys&
           environments_.background(seen->map.value_or(wanted.map), seen->blur_rad, deadline, times);
     }
   }
-  if (const int views = sky_views_wanted(spec); views > 0) {
+  if (sky_is_shadowed(spec)) {
+    const int views = sky_views_wanted(spec.output.samples, triangle_count(scene));
     scene.sky_lights = in_world(light_cells(scene.environment->sky.texels, views * spec.output.samples),
                                 scene, wanted.rotation_rad);
     if (!scene.sky_lights.empty())

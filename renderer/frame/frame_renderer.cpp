@@ -210,7 +210,7 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
                   targets);
   FilmLayers layers(plan, view, prepared);
   std::optional<gl::Texture> sky_sums;
-  if (plan.sky_views > 0 && !prepared.sky_lights.empty() && !prepared.bounds.empty())
+  if (plan.sky_shadows && !prepared.sky_lights.empty() && !prepared.bounds.empty())
     sky_sums = gl::upload_texture(context_, prepared.sky_sums.maps, false);
   const FrameJob job{
       residency, plan, view, scene, prepared, deadline, *targets, layers, sky_sums ? &*sky_sums : nullptr};

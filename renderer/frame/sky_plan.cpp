@@ -57,14 +57,19 @@ glm::dvec3 even_radiance(const std::vector<LightDirection>& lights) {
 
 }  // namespace
 
-int sky_views_wanted(const RenderSpec& spec) {
-  const int subframes = spec.output.samples;
+bool sky_is_shadowed(const RenderSpec& spec) {
   const EnvironmentVisibility asked = spec.environment.visibility;
-  const bool on = asked == EnvironmentVisibility::kOn ||
-                  (asked == EnvironmentVisibility::kAuto && subframes >= kVisibilitySamples);
-  if (!on) return 0;
-  // A few sub-frames take more each, so that they have 128 directions too.
-  return std::clamp(128 / subframes, 8, int(gpu::MOST_SKY_VIEWS));
+  return asked == EnvironmentVisibility::kOn ||
+         (asked == EnvironmentVisibility::kAuto && spec.output.samples >= kVisibilitySamples);
+}
+
+int sky_views_wanted(int subframes, std::size_t triangles) {
+  // Large faces show the shadow of each direction, and are cheap to draw; of a finely tessellated scene it is the maps that cost.
+  constexpr std::size_t kFew = 1'000, kMany = 50'000;
+  const int at_16_subframes = triangles <= kFew ? 32 : triangles <= kMany ? 16 : 8;
+  // A few sub-frames take more each.
+  return std::clamp(at_16_subframes * kVisibilitySamples / subframes, std::max(at_16_subframes / 2, 8),
+                    int(gpu::MOST_SKY_VIEWS));
 }
 
 SkyPlan plan_sky(const std::vector<LightDirection>& lights, const Bounds& scene, double least_alpha,

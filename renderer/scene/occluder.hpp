@@ -14,7 +14,7 @@ struct OccluderLimits {
 };
 // The ground is away from most of what it is shadowed by; a surface lies next to what shadows it: less than a texel of a map
 // with 512 of them.
-inline constexpr OccluderLimits kGroundOccluder{1.0 / 400, 40}, kSurfaceOccluder{1.0 / 700, 40};
+inline constexpr OccluderLimits kGroundOccluder{1.0 / 400, 40}, kSurfaceOccluder{1.0 / 500, 40};
 
 // Triangles over the mesh's own vertices whose surface stays near the original; all of them for a mesh that is small already.
 // Vertex attributes are of no account. `mesh`: kTriangles. Pure. Threads: any.
