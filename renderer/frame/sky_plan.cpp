@@ -65,7 +65,7 @@ bool sky_is_shadowed(const RenderSpec& spec) {
 
 int sky_views_wanted(int subframes, std::size_t triangles) {
   // Large faces show the shadow of each direction, and are cheap to draw; of a finely tessellated scene it is the maps that cost.
-  constexpr std::size_t kFew = 1'000, kMany = 50'000;
+  constexpr std::size_t kFew = 1'000, kMany = 80'000;
   const int at_16_subframes = triangles <= kFew ? 32 : triangles <= kMany ? 16 : 8;
   // A few sub-frames take more each.
   return std::clamp(at_16_subframes * kVisibilitySamples / subframes, std::max(at_16_subframes / 2, 8),

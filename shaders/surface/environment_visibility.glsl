@@ -58,7 +58,8 @@ SkyLobe sky_lobe(vec3 normal, vec3 to_viewer, float NoV, float alpha) {
   float lean = dfg_at(NoV, sqrt(alpha)).z * (0.75 - 0.4 * NoV + 0.4 * alpha * alpha);
   lobe.direction = lobe_direction(normal, to_viewer, NoV, lean);
   lobe.normal = normal;
-  lobe.to_viewer = to_viewer;
+  // A normal that points away from the viewer sees him at its horizon.
+  lobe.to_viewer = normalize(to_viewer + (NoV - dot(normal, to_viewer)) * normal);
   lobe.NoV = NoV;
   lobe.broad = broad_share(NoV, alpha);
   // At 1 its norm would be a difference of equals.
@@ -126,8 +127,11 @@ vec3 seen_radiance(SkyLobe lobe, LobeSums sums, float alpha, vec3 f0, vec3 f90) 
   float even_hidden = mix(sums.round_hidden.a / (norm * above_horizon(lobe)), sums.cosine_hidden.a * INV_PI, lobe.broad) / all.a;
   seen += sky.even.rgb * (1.0 - even_hidden);
   vec3 known = all.rgb + sky.even.rgb * (1.0 - all.a);
-  vec3 as_sampled = mix(rest, broad, lobe.broad) * seen / max(known, vec3(1e-9));
-  return mix(as_round, as_sampled, smoothstep(0.4, 0.9, alpha / sky.least_alpha));
+  // Where few directions stand for what lies in a narrow lobe the ratio runs wild; the more there are, the nearer it is to 1.
+  vec3 as_sampled = seen * clamp(mix(rest, broad, lobe.broad) / max(known, vec3(1e-9)), 0.5, 2.0);
+  // Single directions would show in a narrow lobe, and in the narrow peak that any has where the viewer grazes the surface.
+  float many = smoothstep(0.4, 0.9, alpha / sky.least_alpha) * smoothstep(0.0, 0.1, lobe.NoV);
+  return mix(as_round, as_sampled, many);
 }
 
 // What of each lobe of environment_light() is hidden, in the mean over the sub-frames.
