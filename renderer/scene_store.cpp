@@ -83,6 +83,16 @@ std::vector<const ComposedScene*> composed_of(const Preparation& out) {
   return composed;
 }
 
+// Of all instances.
+std::size_t triangle_count(const Scene& scene) {
+  std::size_t count = 0;
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = *scene.meshes[std::size_t(instance.mesh)];
+    if (mesh.topology == Topology::kTriangles) count += mesh.indices.size() / 3;
+  }
+  return count;
+}
+
 }  // namespace
 
 SceneStore::SceneStore(const RendererConfig& config, WorkerPool& pool, Decoder& decoder)
@@ -298,7 +308,8 @@ void SceneStore::prepare_environment(const RenderSpec& spec, const Deadline& dea
       if (seen->map) out.notes.insert(out.notes.end(), background->notes.begin(), background->notes.end());
     }
   }
-  if (const int views = sky_views_wanted(spec); views > 0) {
+  if (sky_is_shadowed(spec)) {
+    const int views = sky_views_wanted(spec.output.samples, triangle_count(out.composed->scene));
     scene.sky_lights = in_world(light_cells(scene.environment->sky.texels, views * spec.output.samples),
                                 scene, wanted.rotation_rad);
     if (!scene.sky_lights.empty())

@@ -139,7 +139,7 @@ FramePlan plan_glow(const FramePlan& plan, int max_tile_px) {
   small.film_type = SampleType::kFloat32;
   small.glow_only = true;
   small.layers = {};
-  small.sky_views = 0;
+  small.sky_shadows = false;
   return small;
 }
 

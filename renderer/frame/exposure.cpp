@@ -24,7 +24,7 @@ FramePlan plan_meter(const RenderSpec& spec, int max_tile_px) {
   plan.grade.reset();
   plan.bloom.reset();
   plan.layers = {};
-  plan.sky_views = 0;
+  plan.sky_shadows = false;
   if (!std::holds_alternative<EnvironmentBackground>(spec.environment.background)) {
     plan.background_top = plan.background_bottom = glm::vec4(0);
     plan.opaque = false;

@@ -137,7 +137,7 @@ FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev) {
     plan.shadow_strength = environment.ground->shadow_strength;
     plan.projection = environment.ground->projection;
   }
-  plan.sky_views = sky_views_wanted(spec);
+  plan.sky_shadows = sky_is_shadowed(spec);
   if (const auto& bloom = spec.output.bloom; bloom && plan.layers.needs_picture())
     plan.bloom = PlannedBloom{bloom->source, float(bloom->intensity), float(bloom->threshold), {}};
   plan.tone_map = spec.output.tone_map;

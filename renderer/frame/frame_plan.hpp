@@ -44,7 +44,7 @@ struct FramePlan {
   glm::vec4 background_top{0}, background_bottom{0};
   double environment_rotation_rad = 0, background_rotation_rad = 0;
   double shadow_strength = 1;  // of the ground
-  int sky_views = 0;           // as sky_views_wanted()
+  bool sky_shadows = false;    // as sky_is_shadowed()
   std::optional<GroundProjection> projection;
   double exposure_ev = 0;             // stops, of all that the camera asks for
   double exposure = 1;                // multiplier, 2^exposure_ev

@@ -274,7 +274,7 @@ FrameResult FrameRenderer::render(Residency& residency, const FramePlan& plan, c
   FilmLayers layers(plan, {middle.view, middle.prepared, earlier}, scenes);
   const auto hides = [](const FrameSubject& one) { return !one.prepared.bounds.empty(); };
   std::optional<gl::Texture> sky_sums;
-  if (plan.sky_views > 0 && !middle.prepared.sky_lights.empty() && any(hides))
+  if (plan.sky_shadows && !middle.prepared.sky_lights.empty() && any(hides))
     sky_sums = gl::upload_texture(context_, middle.prepared.sky_sums.maps, false);
   std::vector<int> moment_of;
   if (!moments.empty()) moment_of = moment_of_subframes(int(subframes), int(moments.size()));

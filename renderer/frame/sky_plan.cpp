@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "renderer/base/check.hpp"
-#include "renderer/image/color.hpp"
 #include "renderer/scene/transform.hpp"
 
 namespace furnace {
@@ -46,16 +45,33 @@ std::array<glm::dvec3, 2> axes_across(const glm::dvec3& n) {
           glm::dvec3(b, sign + n.y * n.y * a, -n.y)};
 }
 
+glm::dvec3 vector_of(const std::array<double, 3>& v) {
+  return {v[0], v[1], v[2]};
+}
+
+// Of every cell, in each colour.
+glm::dvec3 even_radiance(const std::vector<LightDirection>& lights) {
+  glm::dvec3 least(std::numeric_limits<double>::infinity());
+  for (const LightDirection& light : lights)
+    least = glm::min(least, vector_of(light.irradiance) / light.solid_angle_sr);
+  return least;
+}
+
 }  // namespace
 
-int sky_views_wanted(const RenderSpec& spec) {
-  const int subframes = spec.output.samples;
+bool sky_is_shadowed(const RenderSpec& spec) {
   const EnvironmentVisibility asked = spec.environment.visibility;
-  const bool on = asked == EnvironmentVisibility::kOn ||
-                  (asked == EnvironmentVisibility::kAuto && subframes >= kVisibilitySamples);
-  if (!on) return 0;
-  // A few sub-frames take more each, so that they have 128 directions too.
-  return std::clamp(128 / subframes, 8, int(gpu::MOST_SKY_VIEWS));
+  return asked == EnvironmentVisibility::kOn ||
+         (asked == EnvironmentVisibility::kAuto && spec.output.samples >= kVisibilitySamples);
+}
+
+int sky_views_wanted(int subframes, std::size_t triangles) {
+  // Large faces show the shadow of each direction, and are cheap to draw; of a finely tessellated scene it is the maps that cost.
+  constexpr std::size_t kFew = 1'000, kMany = 80'000;
+  const int at_16_subframes = triangles <= kFew ? 32 : triangles <= kMany ? 16 : 8;
+  // A few sub-frames take more each.
+  return std::clamp(at_16_subframes * kVisibilitySamples / subframes, std::max(at_16_subframes / 2, 8),
+                    int(gpu::MOST_SKY_VIEWS));
 }
 
 SkyPlan plan_sky(const std::vector<LightDirection>& lights, const Bounds& scene, double least_alpha,
@@ -69,11 +85,12 @@ SkyPlan plan_sky(const std::vector<LightDirection>& lights, const Bounds& scene,
   plan.block.map_px = float(side_px);
   plan.block.first_layer = gpu::uint(first_layer);
   plan.block.least_alpha = float(least_alpha);
+  plan.block.even = glm::vec4(even_radiance(lights), 0);
   const double least = std::max(double(glm::length(scene.max - scene.min)) * 1e-3, 1e-9);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t k = std::size_t(subframe) + i * step;
     const LightDirection& light = lights[k];
-    const glm::dvec3 towards(light.towards[0], light.towards[1], light.towards[2]);
+    const glm::dvec3 towards = vector_of(light.towards);
     // Each map is turned its own way about its direction: their texels' steps average out.
     const double turn = 2 * kPi * double(k) / 1.61803398874989484820;
     const auto [x, y] = axes_across(towards);
@@ -90,9 +107,7 @@ SkyPlan plan_sky(const std::vector<LightDirection>& lights, const Bounds& scene,
     }
     gpu::SkyView& view = plan.block.views[i];
     view.towards = glm::vec4(towards, kLiftTexels * texel_m);
-    const glm::dvec3 irradiance =
-        glm::dvec3(light.irradiance[0], light.irradiance[1], light.irradiance[2]) * double(step);
-    view.light = glm::vec4(irradiance, luminance_rec709(irradiance.r, irradiance.g, irradiance.b));
+    view.light = glm::vec4(vector_of(light.irradiance) * double(step), light.solid_angle_sr * double(step));
     view.map_u = glm::vec4(rows[0]);
     view.map_v = glm::vec4(rows[1]);
     view.map_depth = glm::vec4(rows[2]);

@@ -10,8 +10,11 @@
 
 namespace furnace {
 
-// Directions of each sub-frame; 0 where the environment's light is not shadowed.
-int sky_views_wanted(const RenderSpec& spec);
+// Whether the environment's light is shadowed.
+bool sky_is_shadowed(const RenderSpec& spec);
+
+// Directions of each sub-frame of a scene of so many triangles.
+int sky_views_wanted(int subframes, std::size_t triangles);
 
 inline constexpr int kSkyMapPx = 512;  // side of each map, where no lights' maps lie beside them
 

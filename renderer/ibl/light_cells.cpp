@@ -26,17 +26,19 @@ struct Region {
   double left = 0, right = 0, top = 0, bottom = 0;  // texels
 };
 
-// Sums over regions of the map, of each colour and of what the cells share.
+// Sums over regions of the map, of each colour, of what the cells share and of the solid angle: an even map's light in a region is
+// its radiance times that to the last digits.
 class MapSums {
  public:
   explicit MapSums(const Image& equirect);
 
   double importance(const Region& r) const { return over(r, 3); }
   Rgb flux(const Region& r) const { return {over(r, 0), over(r, 1), over(r, 2)}; }
+  double solid_angle_sr(const Region& r) const { return over(r, 4); }
   Extent extent() const { return extent_; }
 
  private:
-  using Sums = std::array<double, 4>;
+  using Sums = std::array<double, 5>;
 
   const Sums& corner(int x, int y) const {
     return sums_[std::size_t(y) * std::size_t(extent_.width + 1) + std::size_t(x)];
@@ -78,6 +80,7 @@ MapSums::MapSums(const Image& equirect) {
       for (std::size_t c = 0; c < 3; ++c) sums[c] += color[c] * texel_sr;
       const double luminance = luminance_rec709(color[0], color[1], color[2]);
       sums[3] += luminance * texel_sr;
+      sums[4] += texel_sr;
       light += luminance * texel_sr;
     }
   }
@@ -87,7 +90,7 @@ MapSums::MapSums(const Image& equirect) {
     for (std::size_t x = 1; x < stride; ++x) {
       Sums& sums = sums_[y * stride + x];
       sums[3] += kEvenLight * light / (4 * pi) * row_sr / extent_.width;
-      for (std::size_t c = 0; c < 4; ++c) {
+      for (std::size_t c = 0; c < sums.size(); ++c) {
         sums[c] += sums_[(y - 1) * stride + x][c] + sums_[y * stride + x - 1][c] -
                    sums_[(y - 1) * stride + x - 1][c];
       }
@@ -150,6 +153,7 @@ std::vector<LightDirection> light_cells(const Image& equirect, int count) {
     LightDirection light;
     light.towards = {std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
     light.irradiance = sums.flux(cell);
+    light.solid_angle_sr = sums.solid_angle_sr(cell);
     lights.push_back(light);
   }
   return lights;

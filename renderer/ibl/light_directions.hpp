@@ -12,6 +12,7 @@ namespace furnace {
 struct LightDirection {
   std::array<double, 3> towards{};     // unit
   std::array<double, 3> irradiance{};  // RGB: of the plane, here; else as a list says
+  double solid_angle_sr = 0;           // that it stands for, where a list says
 };
 
 // `count` directions above the horizon, as dense as their light on the plane; their irradiances add up to the map's. The same

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "renderer/ibl/octahedral_atlas.hpp"
-#include "renderer/image/color.hpp"
 
 namespace furnace {
 
@@ -21,28 +20,29 @@ LightSums light_sums(const std::vector<LightDirection>& lights, int side_px, int
   sums.maps = make_image({side_px, side_px * (1 + levels)}, 4, SampleType::kFloat32, ColorSpace::kLinear);
   const auto samples = sums.maps.samples<float>();
   const auto side = std::size_t(side_px);
-  std::vector<double> alphas, luminances;
+  std::vector<double> alphas;
   for (int level = 0; level < levels; ++level)
     alphas.push_back(std::pow(sums.least_alpha, 1 - double(level) / (levels - 1)));
-  for (const LightDirection& light : lights)
-    luminances.push_back(luminance_rec709(light.irradiance[0], light.irradiance[1], light.irradiance[2]));
   const double row_cost_us = 0.03 * double(side * lights.size() * alphas.size());
   pool.parallel_for(side, row_cost_us, [&](std::size_t y) {
+    std::vector<std::array<double, 4>> kernels(1 + alphas.size());
     for (std::size_t x = 0; x < side; ++x) {
       const auto at = direction_from_octahedral(double(x) / double(side - 1), double(y) / double(side - 1));
-      std::array<double, 3> diffuse{};
-      std::vector<double> lobes(alphas.size());
-      for (std::size_t i = 0; i < lights.size(); ++i) {
-        const auto& d = lights[i].towards;
+      std::fill(kernels.begin(), kernels.end(), std::array<double, 4>{});
+      for (const LightDirection& light : lights) {
+        const auto& d = light.towards;
         const double cosine = at[0] * d[0] + at[1] * d[1] + at[2] * d[2];
         if (cosine <= 0) continue;
-        for (std::size_t c = 0; c < 3; ++c) diffuse[c] += lights[i].irradiance[c] * cosine;
-        for (std::size_t k = 0; k < alphas.size(); ++k)
-          lobes[k] += luminances[i] * ggx_lobe(cosine, alphas[k]);
+        for (std::size_t k = 0; k < kernels.size(); ++k) {
+          const double weight = k == 0 ? cosine : ggx_lobe(cosine, alphas[k - 1]);
+          for (std::size_t c = 0; c < 3; ++c) kernels[k][c] += light.irradiance[c] * weight;
+          kernels[k][3] += light.solid_angle_sr * weight;
+        }
       }
-      for (std::size_t c = 0; c < 3; ++c) samples[(y * side + x) * 4 + c] = float(diffuse[c]);
-      for (std::size_t k = 0; k < alphas.size(); ++k)
-        samples[(((k + 1) * side + y) * side + x) * 4] = float(lobes[k]);
+      for (std::size_t k = 0; k < kernels.size(); ++k) {
+        for (std::size_t c = 0; c < 4; ++c)
+          samples[((k * side + y) * side + x) * 4 + c] = float(kernels[k][c]);
+      }
     }
   });
   return sums;

@@ -8,9 +8,9 @@ namespace furnace {
 
 struct LightSums {
   double least_alpha = 0;  // of the first GGX lobe: a narrower one would fall between the directions
-  // RGBA kFloat32, octahedral maps of (u, v) from corner texel to corner texel, one below the other. The first: RGB, sum of
-  // irradiance times the cosine to the map's direction. The others: red, sum of the irradiance's luminance times ggx_lobe()
-  // of alphas from `least_alpha` to 1 in equal ratios.
+  // RGBA kFloat32, octahedral maps of (u, v) from corner texel to corner texel, one below the other: sums of irradiance (RGB) and
+  // of solid angle (A), in the first times the cosine to the map's direction, in the others times ggx_lobe() of alphas from
+  // `least_alpha` to 1 in equal ratios.
   Image maps;
 };
 

@@ -5,7 +5,7 @@ const int SKY_LOBES = 8;      // such maps of specular lobes
 
 struct SkyView {
   vec4 towards;     // xyz: unit, to the light; w: m, by which a surface is lifted off what it casts into the map itself
-  vec4 light;       // rgb: irradiance of a plane facing it, over the light that all sub-frames' directions share; w: luminance
+  vec4 light;       // rgb: irradiance of a plane facing it, w: solid angle (sr); both over the sub-frame's share of all directions
   vec4 map_u;       // rows that take (world position, 1) to u, v and reversed depth of the map
   vec4 map_v;
   vec4 map_depth;
@@ -16,5 +16,6 @@ struct SkyBlock {
   float least_alpha;    // of a specular lobe: a narrower one falls between the directions
   float map_px;         // side of the maps
   uint first_layer;     // of the shadow maps
+  vec4 even;            // rgb: radiance that every direction of all sub-frames has at least
   SkyView views[32];
 };

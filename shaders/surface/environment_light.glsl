@@ -60,6 +60,7 @@ vec3 diffuse_radiance(vec3 direction) {
 // Directional albedos of the lobes of the base layer.
 struct Reflectance {
   vec3 specular;
+  vec3 f0, f90;  // of the specular lobe, which they add up to with the scale and bias of the split sum
   vec3 body;  // of what enters a dielectric: shared by all that happens within it
 };
 
@@ -67,9 +68,12 @@ struct Reflectance {
 // reflects does not reach its body, so a white furnace stays white; the greatest of the channels is held back from all, so
 // that a coloured reflection leaves no complementary colour (KHR_materials_specular).
 Reflectance reflectance(Surface s, vec2 dfg) {
-  vec3 dielectric = specular_albedo(s.f0, s.f90, dfg);
+  vec3 dielectric_gain = multiple_scattering(s.f0, dfg), metal_gain = multiple_scattering(s.metal_f0, dfg);
+  vec3 dielectric = (s.f0 * dfg.x + s.f90 * dfg.y) * dielectric_gain;
   Reflectance r;
-  r.specular = mix(dielectric, specular_albedo(s.metal_f0, vec3(1.0), dfg), s.metallic);
+  r.f0 = mix(s.f0 * dielectric_gain, s.metal_f0 * metal_gain, s.metallic);
+  r.f90 = mix(s.f90 * dielectric_gain, metal_gain, s.metallic);
+  r.specular = r.f0 * dfg.x + r.f90 * dfg.y;
   r.body = vec3((1.0 - s.metallic) * max(1.0 - max_component(dielectric), 0.0));
   return r;
 }
@@ -232,7 +236,7 @@ Leaving environment_light(Surface s) {
   Reflectance r = reflectance(s, dfg.xy);
   BodyShares body = body_shares(s, r.body);
 #if FEATURE_ENVIRONMENT_VISIBILITY && !FEATURE_ANISOTROPY
-  out_light.specular = r.specular * seen_specular(s, hidden, dfg.z);
+  out_light.specular = r.specular * seen_radiance(hidden.specular_lobe, hidden.specular, s.alpha, r.f0, r.f90);
 #else
   out_light.specular = r.specular * specular_radiance(s, dfg.z, perceptual_roughness);
 #endif
@@ -253,24 +257,26 @@ Leaving environment_light(Surface s) {
 #endif
 #if FEATURE_CLEARCOAT
   vec4 coat_dfg = clearcoat_dfg(s);
+#if FEATURE_ENVIRONMENT_VISIBILITY
+  out_light.clearcoat =
+      seen_radiance(hidden.clearcoat_lobe, hidden.clearcoat, s.clearcoat_alpha, vec3(0.04), vec3(1.0));
+#else
   out_light.clearcoat = reflected_radiance(s.clearcoat_normal, s.to_viewer, s.clearcoat_NoV, coat_dfg.z,
-                                           sqrt(s.clearcoat_alpha)) *
-                        specular_albedo(vec3(0.04), vec3(1.0), coat_dfg.xy) *
+                                           sqrt(s.clearcoat_alpha));
+#endif
+  out_light.clearcoat *= specular_albedo(vec3(0.04), vec3(1.0), coat_dfg.xy) *
                         specular_occlusion(s.clearcoat_NoV, s.occlusion, s.clearcoat_alpha);
 #endif
 #if FEATURE_ENVIRONMENT_VISIBILITY
   out_light.diffuse *= 1.0 - hidden.diffuse;
 #if FEATURE_PHONG || FEATURE_SCHLICK_BECKMANN || FEATURE_ANISOTROPY
-  out_light.specular *= 1.0 - hidden.specular;
+  out_light.specular *= 1.0 - round_hidden(hidden.specular_lobe, hidden.specular);
 #endif
 #if FEATURE_DIFFUSE_TRANSMISSION
   scattered *= 1.0 - hidden.scattered;
 #endif
 #if FEATURE_SHEEN
   out_light.sheen *= 1.0 - hidden.sheen;
-#endif
-#if FEATURE_CLEARCOAT
-  out_light.clearcoat *= 1.0 - hidden.clearcoat;
 #endif
 #endif
 #if FEATURE_DIFFUSE_TRANSMISSION

@@ -30,55 +30,115 @@ float ggx_lobe(float cosine, float alpha) {
 }
 
 // Of map `index`, around unit `direction` (world).
-vec3 sum_around(vec3 direction, int index) {
+vec4 sum_around(vec3 direction, int index) {
   vec2 texel = octahedral_from_direction(direction) * float(SKY_SUMS_PX - 1) + 0.5 + vec2(0.0, index * SKY_SUMS_PX);
-  return textureLod(sky_sums, texel / vec2(SKY_SUMS_PX, SKY_SUMS_PX * (1 + SKY_LOBES)), 0.0).rgb;
+  return textureLod(sky_sums, texel / vec2(SKY_SUMS_PX, SKY_SUMS_PX * (1 + SKY_LOBES)), 0.0);
 }
 
-// What all directions shed on a lobe around unit `direction`, its part below the horizon left out: in the plane, a lobe
-// 1 / (1 + (u / s)^2)^2 has (1 + x / sqrt(x^2 + s^2)) / 2 beyond a line at a distance x. Here s is 2 alpha, x the elevation. The
-// root of it is taken: half-way to all of the lobe, which no hidden light could exceed where it all lies above the horizon.
-float lobe_sum(vec3 direction, float alpha, vec3 normal) {
-  float at = clamp(1.0 - log(alpha) / log(sky.least_alpha), 0.0, 1.0) * float(SKY_LOBES - 1);
-  int low = min(int(at), SKY_LOBES - 2);
-  float sum = mix(sum_around(direction, 1 + low).r, sum_around(direction, 2 + low).r, at - float(low));
-  float elevation = asin(clamp(dot(direction, normal), -1.0, 1.0));
-  return sum * sqrt(0.5 + 0.5 * elevation * inversesqrt(elevation * elevation + 4.0 * alpha * alpha));
-}
-
-// A specular lobe of the environment's light.
+// A specular lobe of the environment's light. Its light is taken for that of two round ones: of a rough lobe some part lies so far
+// off its middle that a round one has nothing there, and bright light counts there. That part, `broad`, is taken for a cosine about
+// the normal, and the rest leans less.
 struct SkyLobe {
-  vec3 direction, normal;  // unit, world
-  float alpha;             // no narrower than the directions lie apart
+  vec3 direction, normal, to_viewer;  // unit, world; of the rest
+  float NoV, broad;
+  float alpha;  // no narrower than the directions lie apart
+  vec4 sums;    // of all directions on the rest: light and solid angle
 };
 
-// Of a rough lobe some part lies so far off its middle that a round one has nothing there, and bright light counts there: that part is
-// taken for one about the normal, and the rest leans less. Fitted to the shares of the true lobe that lie beyond planes through the
-// surface; from alpha 0.25 on their error is half of a round lobe's.
+// Fitted to the shares of the true lobe that lie beyond planes through the surface; from alpha 0.25 on their error is half of a round
+// lobe's.
 float broad_share(float NoV, float alpha) {
   float m = 1.0 - NoV;
   float x = (2.0 + 4.0 * m * m * m) * alpha * alpha;
   return x / (1.0 + x);
 }
-float lean_of_rest(float NoV, float alpha) { return 0.75 - 0.4 * NoV + 0.4 * alpha * alpha; }
 
 SkyLobe sky_lobe(vec3 normal, vec3 to_viewer, float NoV, float alpha) {
-  float lean = dfg_at(NoV, sqrt(alpha)).z * lean_of_rest(NoV, alpha);
-  return SkyLobe(lobe_direction(normal, to_viewer, NoV, lean), normal, max(alpha, sky.least_alpha));
+  SkyLobe lobe;
+  float lean = dfg_at(NoV, sqrt(alpha)).z * (0.75 - 0.4 * NoV + 0.4 * alpha * alpha);
+  lobe.direction = lobe_direction(normal, to_viewer, NoV, lean);
+  lobe.normal = normal;
+  // A normal that points away from the viewer sees him at its horizon.
+  lobe.to_viewer = normalize(to_viewer + (NoV - dot(normal, to_viewer)) * normal);
+  lobe.NoV = NoV;
+  lobe.broad = broad_share(NoV, alpha);
+  // At 1 its norm would be a difference of equals.
+  lobe.alpha = clamp(alpha, sky.least_alpha, 0.95);
+  float at = (1.0 - log(lobe.alpha) / log(sky.least_alpha)) * float(SKY_LOBES - 1);
+  int low = clamp(int(at), 0, SKY_LOBES - 2);
+  lobe.sums = mix(sum_around(lobe.direction, 1 + low), sum_around(lobe.direction, 2 + low), at - float(low));
+  return lobe;
 }
 
-float shed_on(SkyLobe lobe, vec3 l) { return dot(lobe.normal, l) > 0.0 ? ggx_lobe(dot(lobe.direction, l), lobe.alpha) : 0.0; }
+// What one sub-frame's directions shed on such a lobe.
+struct LobeSums {
+  vec4 round_hidden, cosine_hidden;  // on the rest and on the broad part, what is hidden: light and solid angle
+  vec3 seen, seen_grazing;           // on the true lobe of the material, what is not: light beyond the even, for F = 1 and F = (1 - v.h)^5
+};
 
-float share_of(float hidden, SkyLobe lobe) {
-  return hidden / max(lobe_sum(lobe.direction, lobe.alpha, lobe.normal), 1e-9);
+void shed_on(SkyLobe lobe, uint i, float hidden, inout LobeSums sums) {
+  vec3 l = sky.views[i].towards.xyz;
+  vec4 light = sky.views[i].light;
+  float NoL = dot(lobe.normal, l);
+  if (NoL <= 0.0) return;
+  vec4 lost = light * hidden;
+  sums.round_hidden += lost * ggx_lobe(dot(lobe.direction, l), lobe.alpha);
+  sums.cosine_hidden += lost * NoL;
+  float LoV = dot(lobe.to_viewer, l), a2 = lobe.alpha * lobe.alpha;
+  float NoH2 = (NoL + lobe.NoV) * (NoL + lobe.NoV) / max(2.0 + 2.0 * LoV, 1e-6);
+  float shed = D_GGX(sqrt(min(NoH2, 1.0)), lobe.alpha) * V_SmithGGXCorrelated(lobe.NoV, NoL, lobe.alpha) * NoL;
+  float m = 1.0 - sqrt(max(0.5 + 0.5 * LoV, 0.0)), m2 = m * m;
+  vec3 seen = (light.rgb - sky.even.rgb * light.a) * (shed * (1.0 - hidden));
+  sums.seen += seen;
+  sums.seen_grazing += seen * (m2 * m2 * m);
 }
 
-vec3 share_of(vec3 hidden, vec3 direction) { return hidden / max(sum_around(direction, 0), vec3(1e-9)); }
+// Share of the rest that is hidden. Its part below the horizon is left out: in the plane, a lobe 1 / (1 + (u / s)^2)^2 has
+// (1 + x / sqrt(x^2 + s^2)) / 2 beyond a line at a distance x. Here s is 2 alpha, x the elevation. The root of it is taken: half-way to
+// all of the lobe, which no hidden light could exceed where it all lies above the horizon.
+float above_horizon(SkyLobe lobe) {
+  float elevation = asin(clamp(dot(lobe.direction, lobe.normal), -1.0, 1.0));
+  return sqrt(0.5 + 0.5 * elevation * inversesqrt(elevation * elevation + 4.0 * lobe.alpha * lobe.alpha));
+}
+float round_hidden(SkyLobe lobe, LobeSums sums) {
+  return luminance(sums.round_hidden.rgb) / max(luminance(lobe.sums.rgb) * above_horizon(lobe), 1e-9);
+}
+
+vec3 share_of(vec3 hidden, vec3 direction) { return hidden / max(sum_around(direction, 0).rgb, vec3(1e-9)); }
+
+// Of ggx_lobe() over the sphere.
+float lobe_norm(float alpha) {
+  float a2 = alpha * alpha, p = 0.5 + 0.5 * a2, q = 0.5 - 0.5 * a2;
+  return TWO_PI * a2 * a2 / (q * q) * (p / a2 - 1.0 + log(a2 / p));
+}
+
+// Radiance within a lobe of a width `alpha` in the mean over the sub-frames, `f0` and `f90` at all its microfacets.
+vec3 seen_radiance(SkyLobe lobe, LobeSums sums, float alpha, vec3 f0, vec3 f90) {
+  vec3 rest = prefiltered_radiance(constants.environment_from_world * lobe.direction, sqrt(alpha));
+  vec3 broad = diffuse_radiance(constants.environment_from_world * lobe.normal);
+  vec4 cosine_sums = sum_around(lobe.normal, 0);
+  vec3 as_round = mix(rest * (1.0 - round_hidden(lobe, sums)),
+                      broad * (1.0 - sums.cosine_hidden.rgb / max(cosine_sums.rgb, vec3(1e-9))), lobe.broad);
+
+  float norm = lobe_norm(lobe.alpha);
+  vec2 dfg = dfg_at(lobe.NoV, sqrt(lobe.alpha)).xy;
+  vec3 seen = (f0 * (sums.seen - sums.seen_grazing) + f90 * sums.seen_grazing) / (f0 * dfg.x + f90 * dfg.y);
+  vec4 all = mix(lobe.sums / norm, cosine_sums * INV_PI, lobe.broad);
+  float even_hidden = mix(sums.round_hidden.a / (norm * above_horizon(lobe)), sums.cosine_hidden.a * INV_PI, lobe.broad) / all.a;
+  seen += sky.even.rgb * (1.0 - even_hidden);
+  vec3 known = all.rgb + sky.even.rgb * (1.0 - all.a);
+  // Where few directions stand for what lies in a narrow lobe the ratio runs wild; the more there are, the nearer it is to 1.
+  vec3 as_sampled = seen * clamp(mix(rest, broad, lobe.broad) / max(known, vec3(1e-9)), 0.5, 2.0);
+  // Single directions would show in a narrow lobe, and in the narrow peak that any has where the viewer grazes the surface.
+  float many = smoothstep(0.4, 0.9, alpha / sky.least_alpha) * smoothstep(0.0, 0.1, lobe.NoV);
+  return mix(as_round, as_sampled, many);
+}
 
 // What of each lobe of environment_light() is hidden, in the mean over the sub-frames.
 struct HiddenShares {
   vec3 diffuse;
-  float specular;
+  SkyLobe specular_lobe;
+  LobeSums specular;
 #if FEATURE_DIFFUSE_TRANSMISSION
   vec3 scattered;
 #endif
@@ -86,19 +146,21 @@ struct HiddenShares {
   vec3 sheen;
 #endif
 #if FEATURE_CLEARCOAT
-  float clearcoat;
+  SkyLobe clearcoat_lobe;
+  LobeSums clearcoat;
 #endif
 };
 
+const LobeSums NOTHING_SHED = LobeSums(vec4(0.0), vec4(0.0), vec3(0.0), vec3(0.0));
+
 HiddenShares hidden_shares(Surface s) {
   HiddenShares h;
-  h.diffuse = vec3(0.0);
-  h.specular = 0.0;
 #if FEATURE_ANISOTROPY
-  SkyLobe specular = sky_lobe(s.normal, s.to_viewer, s.NoV, sqrt(s.alpha * s.alpha_t));
+  h.specular_lobe = sky_lobe(s.normal, s.to_viewer, s.NoV, sqrt(s.alpha * s.alpha_t));
 #else
-  SkyLobe specular = sky_lobe(s.normal, s.to_viewer, s.NoV, s.alpha);
+  h.specular_lobe = sky_lobe(s.normal, s.to_viewer, s.NoV, s.alpha);
 #endif
+  h.specular = NOTHING_SHED;
 #if FEATURE_DIFFUSE_TRANSMISSION
   h.scattered = vec3(0.0);
 #endif
@@ -107,42 +169,33 @@ HiddenShares hidden_shares(Surface s) {
   vec3 sheen = sheen_direction(s);
 #endif
 #if FEATURE_CLEARCOAT
-  h.clearcoat = 0.0;
-  SkyLobe clearcoat = sky_lobe(s.clearcoat_normal, s.to_viewer, s.clearcoat_NoV, s.clearcoat_alpha);
+  h.clearcoat_lobe = sky_lobe(s.clearcoat_normal, s.to_viewer, s.clearcoat_NoV, s.clearcoat_alpha);
+  h.clearcoat = NOTHING_SHED;
 #endif
   for (uint i = 0u; i < sky.count; ++i) {
+    float hidden = hidden_from(i, s.position, s.vertex_normal);
+    shed_on(h.specular_lobe, i, hidden, h.specular);
+#if FEATURE_DIFFUSE_TRANSMISSION || FEATURE_SHEEN
     vec3 l = sky.views[i].towards.xyz;
-    vec4 hidden = sky.views[i].light * hidden_from(i, s.position, s.vertex_normal);
+    vec3 lost = sky.views[i].light.rgb * hidden;
     float NoL = dot(s.normal, l);
-    h.diffuse += hidden.rgb * max(NoL, 0.0);
-    h.specular += hidden.a * shed_on(specular, l);
+#endif
 #if FEATURE_DIFFUSE_TRANSMISSION
-    h.scattered += hidden.rgb * max(-NoL, 0.0);
+    h.scattered += lost * max(-NoL, 0.0);
 #endif
 #if FEATURE_SHEEN
-    h.sheen += NoL > 0.0 ? hidden.rgb * max(dot(sheen, l), 0.0) : vec3(0.0);
+    h.sheen += NoL > 0.0 ? lost * max(dot(sheen, l), 0.0) : vec3(0.0);
 #endif
 #if FEATURE_CLEARCOAT
-    h.clearcoat += hidden.a * shed_on(clearcoat, l);
+    shed_on(h.clearcoat_lobe, i, hidden, h.clearcoat);
 #endif
   }
-  h.diffuse = share_of(h.diffuse, s.normal);
-  h.specular = share_of(h.specular, specular);
+  h.diffuse = share_of(h.specular.cosine_hidden.rgb, s.normal);
 #if FEATURE_DIFFUSE_TRANSMISSION
   h.scattered = share_of(h.scattered, -s.normal);
 #endif
 #if FEATURE_SHEEN
   h.sheen = share_of(h.sheen, sheen);
 #endif
-#if FEATURE_CLEARCOAT
-  h.clearcoat = share_of(h.clearcoat, clearcoat);
-#endif
   return h;
-}
-
-// Radiance that the specular lobe of the base layer sees.
-vec3 seen_specular(Surface s, HiddenShares hidden, float lean_rad) {
-  vec3 narrow = reflected_radiance(s.normal, s.to_viewer, s.NoV, lean_rad * lean_of_rest(s.NoV, s.alpha), sqrt(s.alpha));
-  vec3 broad = diffuse_radiance(constants.environment_from_world * s.normal);
-  return mix(narrow * (1.0 - hidden.specular), broad * (1.0 - hidden.diffuse), broad_share(s.NoV, s.alpha));
 }

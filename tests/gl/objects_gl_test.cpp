@@ -254,6 +254,7 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
   expect_layout(program.id(), "SkyUniform",
                 {FURNACE_MEMBER(SkyBlock, count), FURNACE_MEMBER(SkyBlock, least_alpha),
                  FURNACE_MEMBER(SkyBlock, map_px), FURNACE_MEMBER(SkyBlock, first_layer),
+                 FURNACE_MEMBER(SkyBlock, even),
                  Member{"towards", offsetof(SkyBlock, views) + offsetof(SkyView, towards)},
                  Member{"light", offsetof(SkyBlock, views) + offsetof(SkyView, light)},
                  Member{"map_u", offsetof(SkyBlock, views) + offsetof(SkyView, map_u)},
