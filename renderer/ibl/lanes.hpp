@@ -84,16 +84,27 @@ template <class Body>
 
 }  // namespace detail
 
+// How many doubles a register of in_widest_registers holds: 2, 4 or 8.
+inline int register_doubles() {
+  if (__builtin_cpu_supports("avx512f")) return 8;
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? 4 : 2;
+}
+
 // Runs `body`, compiled for each instruction set. Example:
 //   in_widest_registers([=]() __attribute__((always_inline)) { ... });   without the attribute it stays narrow
 template <class Body>
 void in_widest_registers(const Body& body) {
-  if (__builtin_cpu_supports("avx512f")) return detail::run_with_avx512(body);
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return detail::run_with_avx2(body);
+  const int doubles = register_doubles();
+  if (doubles == 8) return detail::run_with_avx512(body);
+  if (doubles == 4) return detail::run_with_avx2(body);
   body();
 }
 
 #else
+
+inline int register_doubles() {
+  return 2;
+}
 
 template <class Body>
 void in_widest_registers(const Body& body) {

@@ -17,17 +17,26 @@ struct Recurrence {
   int degrees;
 };
 
-// Two blocks advance together: one alone would wait for its own results.
+// Some rows of a pair of blocks, in `kCount` vectors that advance together: one alone would wait for its own results.
+template <class Vector, int kCount>
 struct Walk {
-  Lanes x_a, x_b, p_a, p_b, before_a = {}, before_b = {};
+  static constexpr int kRows = kCount * int(sizeof(Vector) / sizeof(double));
+
+  Vector x[kCount], p[kCount], before[kCount];
+
+  // The rows from `row` on.
+  [[gnu::always_inline]] void begin(const Lanes* cosines, const Lanes* first, int row) {
+    __builtin_memcpy(x, reinterpret_cast<const double*>(cosines) + row, sizeof(x));
+    __builtin_memcpy(p, reinterpret_cast<const double*>(first) + row, sizeof(p));
+    __builtin_memset(before, 0, sizeof(before));
+  }
 
   [[gnu::always_inline]] void advance(double step, double back) {
-    const Lanes next_a = (step * x_a) * p_a - back * before_a;
-    const Lanes next_b = (step * x_b) * p_b - back * before_b;
-    before_a = p_a;
-    before_b = p_b;
-    p_a = next_a;
-    p_b = next_b;
+    for (int i = 0; i < kCount; ++i) {
+      const Vector next = (step * x[i]) * p[i] - back * before[i];
+      before[i] = p[i];
+      p[i] = next;
+    }
   }
 
   [[gnu::always_inline]] void pass_over(const Recurrence& r) {
@@ -35,18 +44,30 @@ struct Walk {
   }
 };
 
-[[gnu::always_inline]] inline void add_to_degrees_body(Recurrence r, Walk walk, const Lanes* even,
-                                                       const Lanes* odd, Lanes* sums, Lanes* scratch) {
-  walk.pass_over(r);
-  for (int k = r.negligible; k < r.degrees; ++k) {
-    if (k > r.negligible) walk.advance(r.step[k], r.back[k]);
-    scratch[2 * k] = walk.p_a;
-    scratch[2 * k + 1] = walk.p_b;
+// A pair of blocks: cosines, p_mm.
+struct Rows {
+  Lanes cosines[2], first[2];
+};
+
+template <class Vector, int kCount>
+[[gnu::always_inline]] inline void walk_degrees(const Recurrence& r, const Rows& rows, Lanes* degrees) {
+  for (int row = 0; row < 16; row += Walk<Vector, kCount>::kRows) {
+    Walk<Vector, kCount> walk;
+    walk.begin(rows.cosines, rows.first, row);
+    walk.pass_over(r);
+    for (int k = r.negligible; k < r.degrees; ++k) {
+      if (k > r.negligible) walk.advance(r.step[k], r.back[k]);
+      __builtin_memcpy(reinterpret_cast<double*>(degrees + 2 * k) + row, walk.p, sizeof(walk.p));
+    }
   }
+}
+
+[[gnu::always_inline]] inline void add_to_degrees_body(const Recurrence& r, const Lanes* even,
+                                                       const Lanes* odd, Lanes* sums, const Lanes* degrees) {
   for (int parity = 0; parity < 2; ++parity) {
     const Lanes* rows = parity == 0 ? even : odd;
     for (int k = r.negligible + parity; k < r.degrees; k += 2) {
-      const double* p = reinterpret_cast<const double*>(scratch + 2 * k);
+      const double* p = reinterpret_cast<const double*>(degrees + 2 * k);
       Lanes sum_a = sums[k], sum_b = p[8] * rows[8];
       for (int i = 0; i < 8; ++i) sum_a += p[i] * rows[i];
       for (int i = 9; i < 16; ++i) sum_b += p[i] * rows[i];
@@ -55,32 +76,41 @@ struct Walk {
   }
 }
 
-[[gnu::always_inline]] inline void sum_degrees_body(Recurrence r, Walk walk, const Lanes* coefficients,
-                                                    Lanes* even, Lanes* odd) {
-  constexpr int n = LegendreOrder::kPlanes;
+// Planes: of the first block's rows, then of the second's.
+template <class Vector, int kCount>
+[[gnu::always_inline]] inline void sum_degrees_body(const Recurrence& r, const Rows& rows,
+                                                    const Lanes* coefficients, Lanes* even, Lanes* odd) {
+  constexpr int n = LegendreOrder::kPlanes, kLanes = sizeof(Vector) / sizeof(double);
   const auto* planes = reinterpret_cast<const double*>(coefficients);
-  Lanes even_sum[2 * n] = {}, odd_sum[2 * n] = {};
-  walk.pass_over(r);
-  for (int k = r.negligible; k < r.degrees; k += 2) {
-    if (k > r.negligible) walk.advance(r.step[k], r.back[k]);
-    for (int c = 0; c < n; ++c) {
-      const double value = planes[k * 8 + c];
-      even_sum[c] += value * walk.p_a;
-      even_sum[n + c] += value * walk.p_b;
+  for (int row = 0; row < 16; row += Walk<Vector, kCount>::kRows) {
+    Walk<Vector, kCount> walk;
+    walk.begin(rows.cosines, rows.first, row);
+    Vector even_sum[kCount][n] = {}, odd_sum[kCount][n] = {};
+    walk.pass_over(r);
+    for (int k = r.negligible; k < r.degrees; k += 2) {
+      if (k > r.negligible) walk.advance(r.step[k], r.back[k]);
+      for (int c = 0; c < n; ++c)
+        for (int i = 0; i < kCount; ++i) even_sum[i][c] += planes[k * 8 + c] * walk.p[i];
+      if (k + 1 == r.degrees) break;
+      walk.advance(r.step[k + 1], r.back[k + 1]);
+      for (int c = 0; c < n; ++c)
+        for (int i = 0; i < kCount; ++i) odd_sum[i][c] += planes[(k + 1) * 8 + c] * walk.p[i];
     }
-    if (k + 1 == r.degrees) break;
-    walk.advance(r.step[k + 1], r.back[k + 1]);
-    for (int c = 0; c < n; ++c) {
-      const double value = planes[(k + 1) * 8 + c];
-      odd_sum[c] += value * walk.p_a;
-      odd_sum[n + c] += value * walk.p_b;
+    for (int i = 0; i < kCount; ++i) {
+      const int at = row + i * kLanes, plane = at / 8 * n;
+      for (int c = 0; c < n; ++c) {
+        __builtin_memcpy(reinterpret_cast<double*>(even + plane + c) + at % 8, &even_sum[i][c],
+                         sizeof(Vector));
+        __builtin_memcpy(reinterpret_cast<double*>(odd + plane + c) + at % 8, &odd_sum[i][c], sizeof(Vector));
+      }
     }
-  }
-  for (int c = 0; c < 2 * n; ++c) {
-    even[c] = even_sum[c];
-    odd[c] = odd_sum[c];
   }
 }
+
+// What fits the registers: a vector that is wider stays in memory, and many narrow ones do, too.
+typedef double Two __attribute__((vector_size(16)));
+typedef double Four __attribute__((vector_size(32)));
+typedef Lanes::Vector Eight;
 
 // Debye's expansion of the Bessel function that p_lm resembles towards a pole: J_m(m sech a) ~ exp(-m (a - tanh a)), for
 // l sin(theta) = m sech a.
@@ -161,20 +191,32 @@ void LegendreOrder::add_to_degrees(std::size_t pair, const Lanes* even, const La
                                    Lanes* scratch) const {
   const Recurrence r{first_.table().step(m_), first_.table().back(m_), negligible_degrees(pair) / 2 * 2,
                      degrees_};
-  const Walk walk{first_.blocks()[pair].cos_theta, first_.blocks()[pair + 1].cos_theta, first_.on(pair),
-                  first_.on(pair + 1)};
-  in_widest_registers([ =, &walk ]() __attribute__((always_inline)) {
-    add_to_degrees_body(r, walk, even, odd, sums, scratch);
+  const Rows rows{{first_.blocks()[pair].cos_theta, first_.blocks()[pair + 1].cos_theta},
+                  {first_.on(pair), first_.on(pair + 1)}};
+  const int width = register_doubles();
+  in_widest_registers([ =, &rows ]() __attribute__((always_inline)) {
+    if (width == 8)
+      walk_degrees<Eight, 2>(r, rows, scratch);
+    else
+      walk_degrees<Four, 2>(r, rows, scratch);
+    add_to_degrees_body(r, even, odd, sums, scratch);
   });
 }
 
 void LegendreOrder::sum_degrees(std::size_t pair, const Lanes* coefficients, Lanes* even, Lanes* odd) const {
   const Recurrence r{first_.table().step(m_), first_.table().back(m_), negligible_degrees(pair) / 2 * 2,
                      degrees_};
-  const Walk walk{first_.blocks()[pair].cos_theta, first_.blocks()[pair + 1].cos_theta, first_.on(pair),
-                  first_.on(pair + 1)};
-  in_widest_registers(
-      [ =, &walk ]() __attribute__((always_inline)) { sum_degrees_body(r, walk, coefficients, even, odd); });
+  const Rows rows{{first_.blocks()[pair].cos_theta, first_.blocks()[pair + 1].cos_theta},
+                  {first_.on(pair), first_.on(pair + 1)}};
+  const int width = register_doubles();
+  in_widest_registers([ =, &rows ]() __attribute__((always_inline)) {
+    if (width == 8)
+      sum_degrees_body<Eight, 2>(r, rows, coefficients, even, odd);
+    else if (width == 4)
+      sum_degrees_body<Four, 1>(r, rows, coefficients, even, odd);
+    else
+      sum_degrees_body<Two, 1>(r, rows, coefficients, even, odd);
+  });
 }
 
 }  // namespace furnace

@@ -127,7 +127,7 @@ std::vector<std::string> ktx2_files() {
 
 std::vector<std::string> hdr_files() {
   std::string planar = sample::rgbe_header(16, 8), old = sample::rgbe_header(16, 2),
-              flat = sample::rgbe_header(4, 2);
+              flat = sample::rgbe_header(4, 2), cross = sample::rgbe_header(4, 3);
   for (int y = 0; y < 8; ++y) {
     planar += std::string({2, 2, 0, 16});
     for (int component = 0; component < 4; ++component)
@@ -135,7 +135,8 @@ std::vector<std::string> hdr_files() {
   }
   for (int y = 0; y < 2; ++y) old += std::string({9, 8, 7, 120, 1, 1, 1, 10, 5, 4, 3, 120, 1, 1, 1, 4});
   flat += noise_text(32, 4);
-  return {planar, old, flat};
+  cross += noise_text(48, 5);
+  return {planar, old, flat, cross};
 }
 
 std::vector<std::string> exr_files() {
