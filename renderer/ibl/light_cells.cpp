@@ -18,7 +18,7 @@ using std::numbers::pi;
 constexpr int kMostColumns = 512;
 // Of the map's mean, added to the light that cells share: the dark half of a room has cells of its own, whose few would else
 // stand for a glossy surface's whole reflection.
-constexpr double kEvenLight = 0.5;
+constexpr double kEvenLight = 1.0;
 
 using Rgb = std::array<double, 3>;
 

@@ -42,7 +42,8 @@ struct SkyLobe {
   vec3 direction, normal, to_viewer;  // unit, world; of the rest
   float NoV, broad;
   float alpha;  // no narrower than the directions lie apart
-  vec4 sums;    // of all directions on the rest: light and solid angle
+  float norm;   // of ggx_lobe() over the sphere
+  vec4 sums;    // of all directions on the rest, over its norm: light and solid angle
 };
 
 // Fitted to the shares of the true lobe that lie beyond planes through the surface; from alpha 0.25 on their error is half of a round
@@ -64,6 +65,8 @@ SkyLobe sky_lobe(vec3 normal, vec3 to_viewer, float NoV, float alpha) {
   lobe.broad = broad_share(NoV, alpha);
   // At 1 its norm would be a difference of equals.
   lobe.alpha = clamp(alpha, sky.least_alpha, 0.95);
+  float a2 = lobe.alpha * lobe.alpha, p = 0.5 + 0.5 * a2, q = 0.5 - 0.5 * a2;
+  lobe.norm = TWO_PI * a2 * a2 / (q * q) * (p / a2 - 1.0 + log(a2 / p));
   float at = (1.0 - log(lobe.alpha) / log(sky.least_alpha)) * float(SKY_LOBES - 1);
   int low = clamp(int(at), 0, SKY_LOBES - 2);
   lobe.sums = mix(sum_around(lobe.direction, 1 + low), sum_around(lobe.direction, 2 + low), at - float(low));
@@ -101,16 +104,10 @@ float above_horizon(SkyLobe lobe) {
   return sqrt(0.5 + 0.5 * elevation * inversesqrt(elevation * elevation + 4.0 * lobe.alpha * lobe.alpha));
 }
 float round_hidden(SkyLobe lobe, LobeSums sums) {
-  return luminance(sums.round_hidden.rgb) / max(luminance(lobe.sums.rgb) * above_horizon(lobe), 1e-9);
+  return luminance(sums.round_hidden.rgb) / max(luminance(lobe.sums.rgb) * lobe.norm * above_horizon(lobe), 1e-9);
 }
 
 vec3 share_of(vec3 hidden, vec3 direction) { return hidden / max(sum_around(direction, 0).rgb, vec3(1e-9)); }
-
-// Of ggx_lobe() over the sphere.
-float lobe_norm(float alpha) {
-  float a2 = alpha * alpha, p = 0.5 + 0.5 * a2, q = 0.5 - 0.5 * a2;
-  return TWO_PI * a2 * a2 / (q * q) * (p / a2 - 1.0 + log(a2 / p));
-}
 
 // Radiance within a lobe of a width `alpha` in the mean over the sub-frames, `f0` and `f90` at all its microfacets.
 vec3 seen_radiance(SkyLobe lobe, LobeSums sums, float alpha, vec3 f0, vec3 f90) {
@@ -120,11 +117,10 @@ vec3 seen_radiance(SkyLobe lobe, LobeSums sums, float alpha, vec3 f0, vec3 f90) 
   vec3 as_round = mix(rest * (1.0 - round_hidden(lobe, sums)),
                       broad * (1.0 - sums.cosine_hidden.rgb / max(cosine_sums.rgb, vec3(1e-9))), lobe.broad);
 
-  float norm = lobe_norm(lobe.alpha);
   vec2 dfg = dfg_at(lobe.NoV, sqrt(lobe.alpha)).xy;
   vec3 seen = (f0 * (sums.seen - sums.seen_grazing) + f90 * sums.seen_grazing) / (f0 * dfg.x + f90 * dfg.y);
-  vec4 all = mix(lobe.sums / norm, cosine_sums * INV_PI, lobe.broad);
-  float even_hidden = mix(sums.round_hidden.a / (norm * above_horizon(lobe)), sums.cosine_hidden.a * INV_PI, lobe.broad) / all.a;
+  vec4 all = mix(lobe.sums, cosine_sums * INV_PI, lobe.broad);
+  float even_hidden = mix(sums.round_hidden.a / (lobe.norm * above_horizon(lobe)), sums.cosine_hidden.a * INV_PI, lobe.broad) / all.a;
   seen += sky.even.rgb * (1.0 - even_hidden);
   vec3 known = all.rgb + sky.even.rgb * (1.0 - all.a);
   // Where few directions stand for what lies in a narrow lobe the ratio runs wild; the more there are, the nearer it is to 1.

@@ -54,6 +54,16 @@ TEST(LightCells, HoldTheMapsFlux) {
   }
 }
 
+// To the last digits, so that an even map is even in what is made of the cells.
+TEST(LightCells, HoldTheSphere) {
+  double sphere_sr = 0;
+  for (const LightDirection& light : light_cells(even_map(1, 0.5f, 0.25f), 100)) {
+    sphere_sr += light.solid_angle_sr;
+    EXPECT_NEAR(light.irradiance[2] / light.solid_angle_sr, 0.25, 1e-12);
+  }
+  EXPECT_NEAR(sphere_sr, 4 * pi, 1e-9);
+}
+
 // Of an even sky every plane has pi. Random directions would err by 1 / sqrt(3 * 256) = 3.6 % (one standard deviation).
 TEST(LightCells, SpreadOverTheSphereAndSoDoesEachSubset) {
   const auto lights = light_cells(even_map(1, 1, 1), 256);
@@ -88,10 +98,10 @@ TEST(LightCells, CrowdWhereTheLightIs) {
     ++in_lamp;
     lamp += light.irradiance[0];
   }
-  // The lamp has 40 of its solid angle; half as much as all light is dealt evenly.
+  // The lamp has 40 of its solid angle; as much as all light is dealt evenly.
   const double lamp_flux = 40 * (std::cos(pi / 4) - std::cos(pi * 3 / 8)) * pi / 8;
   const double flux = flux_of(lights)[0];
-  EXPECT_NEAR(double(in_lamp) / 128, lamp_flux / flux / 1.5, 0.05);
+  EXPECT_NEAR(double(in_lamp) / 128, lamp_flux / flux / 2, 0.05);
   EXPECT_NEAR(lamp, lamp_flux, 0.08 * lamp_flux);
 }
 
@@ -105,18 +115,20 @@ TEST(LightSums, AreTheSumsOverAllDirections) {
   const auto samples = sums.maps.samples<float>();
   for (const auto& [x, y] : {std::pair{0, 0}, {4, 4}, {8, 3}}) {
     const auto at = direction_from_octahedral(x / 8.0, y / 8.0);
-    const auto row = [&](int level) { return samples[std::size_t(((level * kSide + y) * kSide + x) * 4)]; };
-    EXPECT_NEAR(row(0), irradiance(lights, at), 1e-5);
+    const auto row = [&](int level) { return &samples[std::size_t(((level * kSide + y) * kSide + x) * 4)]; };
+    EXPECT_NEAR(row(0)[0], irradiance(lights, at), 1e-5);
     for (int level = 0; level < kLevels; ++level) {
-      double sum = 0;
+      double blue = 0, even = 0;
       for (const LightDirection& light : lights) {
         const auto& d = light.towards;
-        const double luminance =
-            0.2126 * light.irradiance[0] + 0.7152 * light.irradiance[1] + 0.0722 * light.irradiance[2];
-        sum += luminance * ggx_lobe(d[0] * at[0] + d[1] * at[1] + d[2] * at[2],
-                                    std::pow(sums.least_alpha, 1 - level / 2.0));
+        const double alpha = std::pow(sums.least_alpha, 1 - level / 2.0);
+        const double lobe =
+            ggx_lobe(d[0] * at[0] + d[1] * at[1] + d[2] * at[2], alpha) / ggx_lobe_integral_sr(alpha);
+        blue += light.irradiance[2] * lobe;
+        even += light.solid_angle_sr * lobe;
       }
-      EXPECT_NEAR(row(1 + level), sum, 1e-5) << level;
+      EXPECT_NEAR(row(1 + level)[2], blue, 1e-5) << level;
+      EXPECT_NEAR(row(1 + level)[3], even, 1e-5) << level;
     }
   }
 }
@@ -126,6 +138,18 @@ TEST(LightSums, ALobeIsOneInItsMiddleAndNothingBehind) {
     EXPECT_DOUBLE_EQ(ggx_lobe(1, alpha), 1);
     EXPECT_EQ(ggx_lobe(-0.5, alpha), 0);
     EXPECT_LT(ggx_lobe(0.8, alpha), 0.81);
+  }
+}
+
+TEST(LightSums, ALobesIntegralIsItsSumOverTheSphere) {
+  for (const double alpha : {0.05, 0.3, 0.95, 0.9999, 1.0}) {
+    double sum = 0;
+    constexpr int kSteps = 100'000;
+    for (int i = 0; i < kSteps; ++i) {
+      const double x = (i + 0.5) / kSteps;  // crowded at the middle: cosine 1 - x^3
+      sum += ggx_lobe(1 - x * x * x, alpha) * 3 * x * x / kSteps;
+    }
+    EXPECT_NEAR(ggx_lobe_integral_sr(alpha) / (2 * pi * sum), 1, 1e-6) << alpha;
   }
 }
 

@@ -1,5 +1,5 @@
 // Judge of a whole picture: what a path tracer without bounces shows of a scene in an environment, in double precision and by
-// quasi-random sums. Materials are plain numbers: base colour, metallic, roughness over 0.2.
+// quasi-random sums. Materials are plain numbers: base colour, metallic, roughness over 0.2, clearcoat.
 #pragma once
 
 #include <array>
@@ -51,6 +51,7 @@ struct Lobes {
   glm::dvec3 diffuse{0};  // albedo
   std::array<glm::dvec3, 2> f0,
       gain;  // of the dielectric's and the metal's specular lobes: share and compensation
+  double coat_alpha = 0, coat = 0;  // of the clearcoat, above them: width; share and compensation
 
   Lobes(const Material& material, double NoV) {
     const glm::dvec3 base(material.base_color);
@@ -62,14 +63,25 @@ struct Lobes {
       gain[i] = (1.0 + f0[i] * ((1 - e) / e)) * (i == 0 ? 1 - metallic : metallic);
     const glm::dvec3 dielectric = (f0[0] * dfg.x + dfg.y) * (1.0 + f0[0] * ((1 - e) / e));
     diffuse = (1 - metallic) * base * (1.0 - dielectric);
+
+    coat_alpha = double(material.clearcoat_perceptual_roughness) * material.clearcoat_perceptual_roughness;
+    const glm::dvec2 coat_dfg = table_at(NoV, material.clearcoat_perceptual_roughness);
+    const double coat_e = coat_dfg.x + coat_dfg.y, compensation = 1 + kCoatF0 * ((1 - coat_e) / coat_e);
+    coat = material.clearcoat * compensation;
+    const double under = 1 - coat * (kCoatF0 * coat_dfg.x + coat_dfg.y);
+    diffuse *= under;
+    for (glm::dvec3& share : gain) share *= under;
   }
 
   glm::dvec3 fresnel(double VoH) const {
     const double m5 = std::pow(1 - VoH, 5);
     return gain[0] * (f0[0] + (1.0 - f0[0]) * m5) + gain[1] * (f0[1] + (1.0 - f0[1]) * m5);
   }
+  double coat_fresnel(double VoH) const { return coat * (kCoatF0 + (1 - kCoatF0) * std::pow(1 - VoH, 5)); }
 
  private:
+  static constexpr double kCoatF0 = 0.04;
+
   static glm::dvec2 table_at(double NoV, double roughness) {
     const double x = std::clamp(NoV * kDfgTableSize - 0.5, 0.0, kDfgTableSize - 1.001);
     const double y = std::clamp(roughness * kDfgTableSize - 0.5, 0.0, kDfgTableSize - 1.001);
@@ -191,10 +203,15 @@ class DirectLight {
   // What of a radiance from `l` a surface reflects to `v`, times the cosine; both in its frame, where z is the normal.
   static glm::dvec3 reflects(const Lobes& lobes, const glm::dvec3& v, const glm::dvec3& l, double alpha) {
     const glm::dvec3 h = glm::normalize(l + v);
+    const double VoH = glm::dot(v, h);
+    glm::dvec3 f = lobes.diffuse / std::numbers::pi + d_v(v, l, h, alpha) * lobes.fresnel(VoH);
+    if (lobes.coat > 0) f += d_v(v, l, h, lobes.coat_alpha) * lobes.coat_fresnel(VoH);
+    return f * l.z;
+  }
+  static double d_v(const glm::dvec3& v, const glm::dvec3& l, const glm::dvec3& h, double alpha) {
     const double a2 = alpha * alpha;
-    const double V =
-        0.5 / (l.z * std::sqrt(v.z * v.z * (1 - a2) + a2) + v.z * std::sqrt(l.z * l.z * (1 - a2) + a2));
-    return (lobes.diffuse / std::numbers::pi + d_ggx(h.z, alpha) * V * lobes.fresnel(glm::dot(v, h))) * l.z;
+    return d_ggx(h.z, alpha) * 0.5 /
+           (l.z * std::sqrt(v.z * v.z * (1 - a2) + a2) + v.z * std::sqrt(l.z * l.z * (1 - a2) + a2));
   }
 
   // By three ways of choosing directions, each of which weighs what the others do: Veach and Guibas 1995, "Optimally
