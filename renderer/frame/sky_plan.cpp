@@ -45,7 +45,9 @@ std::array<glm::dvec3, 2> axes_across(const glm::dvec3& n) {
           glm::dvec3(b, sign + n.y * n.y * a, -n.y)};
 }
 
-glm::dvec3 vector_of(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
+glm::dvec3 vector_of(const std::array<double, 3>& v) {
+  return {v[0], v[1], v[2]};
+}
 
 // Of every cell, in each colour.
 glm::dvec3 even_radiance(const std::vector<LightDirection>& lights) {

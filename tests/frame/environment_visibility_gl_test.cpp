@@ -42,7 +42,8 @@ class EnvironmentVisibilityGlTest : public ClosedFormGlTest {
     spec.scene.materials["ball"] = material({0.9f, 0.5f, 0.3f}, metallic, roughness);
     return spec;
   }
-  static RenderSpec pair_on_plane(const char* environment, const char* mesh, const MaterialOverride& surface) {
+  static RenderSpec pair_on_plane(const char* environment, const char* mesh,
+                                  const MaterialOverride& surface) {
     RenderSpec spec = spec_in(environment);
     spec.scene.nodes = {node("plane", "floor", {0, 0, 0}, 3), node(mesh, "pair", {-0.52f, 0.5f, 0}, 1),
                         node(mesh, "pair", {0.52f, 0.4f, 0.1f}, 0.8f)};
@@ -169,7 +170,9 @@ TEST_F(EnvironmentVisibilityGlTest, BoxesOnAPlane) {
   expect_agreement(pair_on_plane("overcast", "cube", material({0.9f, 0.8f, 0.6f}, 1, 0.6f)));
 }
 
-TEST_F(EnvironmentVisibilityGlTest, RoughBoxInACorner) { expect_agreement(box_in_corner("studio", 0.9f)); }
+TEST_F(EnvironmentVisibilityGlTest, RoughBoxInACorner) {
+  expect_agreement(box_in_corner("studio", 0.9f));
+}
 
 TEST_F(EnvironmentVisibilityGlTest, CoatedSpheres) {
   MaterialOverride coated = material({0.6f, 0.1f, 0.1f}, 0.5f, 0.8f);
