@@ -5,6 +5,7 @@
 #include <set>
 
 #include "renderer/frame/frame_uniform.hpp"
+#include "renderer/frame/sky_plan.hpp"
 #include "renderer/scene/transform.hpp"
 
 namespace furnace {
@@ -72,6 +73,21 @@ TEST(FramePlan, SubFramesLieBalancedWithinThePixel) {
     EXPECT_NEAR(variance.x, 1.0 / 12, 0.2 / count) << count;
     EXPECT_NEAR(variance.y, 1.0 / 12, 0.2 / count) << count;
   }
+}
+
+TEST(SkyViews, AreMoreWhereMapsCostLittleAndNeverFewerInAll) {
+  for (const std::size_t triangles : {12u, 20'000u, 1'000'000u}) {
+    int all_before = 0;
+    for (const int subframes : {1, 4, 16, 64, 256}) {
+      const int views = sky_views_wanted(subframes, triangles);
+      EXPECT_GE(views, 8);
+      EXPECT_LE(views, int(gpu::MOST_SKY_VIEWS));
+      EXPECT_GE(views * subframes, all_before) << triangles << " " << subframes;
+      all_before = views * subframes;
+    }
+  }
+  EXPECT_GT(sky_views_wanted(16, 12), sky_views_wanted(16, 20'000));
+  EXPECT_GT(sky_views_wanted(16, 20'000), sky_views_wanted(16, 1'000'000));
 }
 
 TEST(FramePlan, ABackgroundColourIsNotExposed) {
