@@ -118,7 +118,7 @@ vec3 seen_radiance(SkyLobe lobe, LobeSums sums, float alpha, vec3 f0, vec3 f90) 
                       broad * (1.0 - sums.cosine_hidden.rgb / max(cosine_sums.rgb, vec3(1e-9))), lobe.broad);
 
   vec2 dfg = dfg_at(lobe.NoV, sqrt(lobe.alpha)).xy;
-  vec3 seen = (f0 * (sums.seen - sums.seen_grazing) + f90 * sums.seen_grazing) / (f0 * dfg.x + f90 * dfg.y);
+  vec3 seen = (f0 * (sums.seen - sums.seen_grazing) + f90 * sums.seen_grazing) / max(f0 * dfg.x + f90 * dfg.y, vec3(1e-6));
   vec4 all = mix(lobe.sums, cosine_sums * INV_PI, lobe.broad);
   float even_hidden = mix(sums.round_hidden.a / (lobe.norm * above_horizon(lobe)), sums.cosine_hidden.a * INV_PI, lobe.broad) / all.a;
   seen += sky.even.rgb * (1.0 - even_hidden);

@@ -205,5 +205,17 @@ TEST_F(EnvironmentVisibilityGlTest, ALoneSphereVanishesInAWhiteRoom) {
   }
 }
 
+// Nothing reflects specularly: no lobe to divide by.
+TEST_F(EnvironmentVisibilityGlTest, SurfacesWithoutALobeKeepTheirDiffuseLight) {
+  RenderSpec spec = sphere_on_plane("studio", 0, 0.5f);
+  spec.scene.materials["ball"].specular = 0.f;
+  spec.output.samples = kVisibilitySamples;
+  spec.camera.view = LookAtCamera{{0, 0.5f, 4}, {0, 0.5f, 0}};
+  const int middle = spec.output.width / 2;
+  const Film film = render(spec);
+  spec.environment.visibility = EnvironmentVisibility::kOff;
+  EXPECT_NEAR(pixel(film, middle, middle).r / pixel(render(spec), middle, middle).r, 0.9, 0.1);
+}
+
 }  // namespace
 }  // namespace furnace
