@@ -244,8 +244,10 @@ class Explainer {
       return;
     check_members(schema, value);
     check_required(schema, value);
-    if (const Value rules = schema["not"]["anyOf"])
+    const Value excluded = schema["not"];
+    if (const Value rules = excluded["anyOf"])
       for (std::size_t i = 0; i < rules.size(); ++i) check_exclusion(rules.at(i), value);
+    if (excluded["required"]) check_exclusion(excluded, value);
   }
 
   void check_members(const Value& schema, const Value& value) {

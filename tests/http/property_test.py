@@ -91,7 +91,7 @@ class Contract:
     def rules_of(self, node):
         if isinstance(node, dict):
             if isinstance(node.get("not"), dict):
-                yield from node["not"].get("anyOf", ())
+                yield from node["not"].get("anyOf", [node["not"]])
             for member in node.values():
                 yield from self.rules_of(member)
 
