@@ -103,6 +103,14 @@ def handles(server):
     return tuple(len(os.listdir(f"/proc/{server.process.pid}/{kind}")) for kind in ("fd", "task"))
 
 
+def thread_names(server):
+    names = []
+    for task in os.listdir(f"/proc/{server.process.pid}/task"):
+        with open(f"/proc/{server.process.pid}/task/{task}/comm", encoding="utf-8") as comm:
+            names.append(comm.read().strip())
+    return sorted(names)
+
+
 def small(width=48, height=32, **output):
     return {"output": {"width": width, "height": height, "samples": 1, **output}}
 

@@ -301,7 +301,8 @@ class Run:
     def expect_handles(self, before):
         end = time.monotonic() + support.PATIENCE_S
         while any(now > then for now, then in zip(support.handles(self.server), before)):
-            assert time.monotonic() < end, f"descriptors and threads were {before}, are {support.handles(self.server)}"
+            assert time.monotonic() < end, (f"descriptors and threads were {before}, are {support.handles(self.server)}: "
+                                            f"{support.thread_names(self.server)}")
             time.sleep(0.1)
 
 
