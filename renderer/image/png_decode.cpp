@@ -67,6 +67,7 @@ struct Contents {
   std::size_t palette_size = 0;
   bool has_alpha = false;              // tRNS
   std::array<std::uint16_t, 3> key{};  // the transparent colour of grey and RGB
+  bool pixels_have_begun = false;      // an IDAT was met
   std::vector<Bytes> compressed;       // IDAT
   std::size_t compressed_size = 0;
 };
@@ -123,8 +124,11 @@ void parse_chunk(std::uint32_t type, Bytes data, Contents& contents) {
     case kName("PLTE"):
       return parse_palette(data, contents);
     case kName("tRNS"):
-      return parse_transparency(data, contents);
+      // Behind the pixels it has no place (section 5.6), and image_header.cpp does not look for it there.
+      if (!contents.pixels_have_begun) parse_transparency(data, contents);
+      return;
     case kName("IDAT"):
+      contents.pixels_have_begun = true;
       if (data.empty()) return;
       contents.compressed.push_back(data);
       contents.compressed_size += data.size();

@@ -26,6 +26,13 @@ std::vector<std::string> sample_textures() {
   files.push_back(sample::png(13, 7, palette_rows, {.color_type = 3, .palette = palette}));
   files.push_back(
       sample::png(13, 7, palette_rows, {.color_type = 3, .palette = palette, .transparency = "\x10"}));
+  // The same chunk behind the pixels, where it counts for nothing.
+  std::string late = files.back();
+  const std::size_t from = late.find("tRNS") - 4;
+  constexpr std::size_t kChunk = 13;
+  const std::string chunk = late.substr(from, kChunk);
+  late.erase(from, kChunk).insert(late.find("IEND") - 4, chunk);
+  files.push_back(late);
   files.push_back(sample::flat_jpeg(31, 9, {100}, sample::JpegKind::kGrey));
   files.push_back(sample::flat_jpeg(31, 9, {100, 20, 30}, sample::JpegKind::kRgb));
   files.push_back(sample::flat_jpeg(31, 9, {100, 20, 30}, sample::JpegKind::kProgressive));
