@@ -42,7 +42,8 @@ struct FormatRow {
 inline constexpr std::array kFormats = {FormatRow{"png", OutputFormat::kPng, "image/png"},
                                         FormatRow{"exr", OutputFormat::kExr, "image/x-exr"},
                                         FormatRow{"jpeg", OutputFormat::kJpeg, "image/jpeg"},
-                                        FormatRow{"webp", OutputFormat::kWebp, "image/webp"}};
+                                        FormatRow{"webp", OutputFormat::kWebp, "image/webp"},
+                                        FormatRow{"webm", OutputFormat::kWebm, "video/webm"}};
 std::string_view name_of(OutputFormat format);
 std::string_view media_type_of(OutputFormat format);
 // Of the file that is asked for: of a sequence that of its container.

@@ -38,6 +38,7 @@ void check_output(const RenderSpec& spec) {
 std::string encode(const Film& film, const OutputSpec& output, const std::vector<TextField>& metadata) {
   switch (output.format) {
     case OutputFormat::kPng:
+    case OutputFormat::kWebm:  // format_fault has refused it
       break;
     case OutputFormat::kExr:
       return film.layers.empty()
@@ -56,6 +57,7 @@ std::unique_ptr<AnimationEncoder> animation_of(const OutputSpec& output, int fra
   const AnimationTiming timing{frames, output.sequence->frames_per_second, output.sequence->loops};
   if (output.format == OutputFormat::kWebp)
     return webp_animation(timing, {output.lossless, output.compression_quality}, metadata);
+  if (output.format == OutputFormat::kWebm) return webm_video(timing, output.compression_quality, metadata);
   return png_animation(timing, metadata);
 }
 
@@ -175,7 +177,9 @@ api::StoredRender RenderService::draw_sequence(const RenderSpec& spec, const Dea
     if (progress) progress({done, frames, stage, share});
   };
   draw_frames(painter_, spec, limits_, deadline, tell, take);
+  const auto finishing = Clock::now();
   pool_.run(Lane::kEncode, [&] { sequence.bytes = is_archive ? zip_archive(files) : animation->finish(); });
+  times.encode_ms += milliseconds_since(finishing);
   return sequence;
 }
 

@@ -249,42 +249,46 @@ RepairReport repair_radiance(Image& image) {
 
 namespace {
 
+EnvironmentLayout layout_in(const Extent& picture, EnvironmentLayout asked) {
+  const EnvironmentLayout layout = layout_of(picture.width, picture.height, asked);
+  if (layout != EnvironmentLayout::kAuto) return layout;
+  const EnvironmentLayout found = layout_of(picture.width, picture.height, EnvironmentLayout::kAuto);
+  fail(ErrorCode::kUnprocessable,
+       fmt::format("{} x {} pixels are no {} but a {}; say so, or leave the layout to \"auto\"",
+                   picture.width, picture.height, name_of(asked), name_of(found)));
+}
+
 // As the picture lies in its file -> as an equirect.
-void lay_out(EnvironmentLayout asked, const DecodeLimits& limits, DecodedEnvironment& environment) {
-  const Extent picture = environment.equirect.extent;
-  environment.layout = layout_of(picture.width, picture.height, asked);
-  if (environment.layout == EnvironmentLayout::kAuto) {
-    const EnvironmentLayout found = layout_of(picture.width, picture.height, EnvironmentLayout::kAuto);
-    fail(ErrorCode::kUnprocessable,
-         fmt::format("{} x {} pixels are no {} but a {}; say so, or leave the layout to \"auto\"",
-                     picture.width, picture.height, name_of(asked), name_of(found)));
-  }
-  if (environment.layout == EnvironmentLayout::kEquirect) return;
-  const int side = face_side(picture, environment.layout);
+Image laid_out(Image picture, EnvironmentLayout layout, const DecodeLimits& limits) {
+  if (layout == EnvironmentLayout::kEquirect) return picture;
+  const int side = face_side(picture.extent, layout);
   check_extent("map that this cube gives", 4 * std::int64_t{side}, 2 * std::int64_t{side}, limits);
-  environment.equirect = equirect_of_cube(environment.equirect, environment.layout);
+  return equirect_of_cube(picture, layout);
 }
 
 }  // namespace
 
 DecodedEnvironment decode_environment(std::span<const std::byte> file, const DecodeLimits& limits,
                                       EnvironmentLayout layout) {
-  DecodedEnvironment environment;
+  Image picture;
   const ImageFormat format = sniff_image_format(file);
   switch (format) {
     case ImageFormat::kHdr:
-      environment.equirect = decode_rgbe(file, limits);
+      picture = decode_rgbe(file, limits);
       break;
     case ImageFormat::kExr:
-      environment.equirect = decode_exr(file, limits);
+      picture = decode_exr(file, limits);
       break;
     default:
       fail(ErrorCode::kUnsupportedMedia,
            fmt::format("an environment is a Radiance HDR or OpenEXR file; the format of this one is {}",
                        image_format_name(format)));
   }
-  environment.repairs = repair_radiance(environment.equirect);
-  lay_out(layout, limits, environment);
+  DecodedEnvironment environment;
+  environment.layout = layout_in(picture.extent, layout);
+  clear_beside_faces(picture, environment.layout);
+  environment.repairs = repair_radiance(picture);
+  environment.equirect = laid_out(std::move(picture), environment.layout, limits);
   return environment;
 }
 

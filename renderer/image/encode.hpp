@@ -70,5 +70,9 @@ std::unique_ptr<AnimationEncoder> png_animation(const AnimationTiming& timing,
                                                 const std::vector<TextField>& metadata);
 std::unique_ptr<AnimationEncoder> webp_animation(const AnimationTiming& timing, const WebpSettings& settings,
                                                  const std::vector<TextField>& metadata);
+// VP9 with halved chroma, in WebM: BT.709 with sRGB's transfer function, a frame every 5 s that can be sought. kUint8 sRGB, 3 or 4
+// channels (straight alpha); `quality` 1 to 100, of alpha too; of `timing` no loops, which is the player's. Errors: as theirs.
+std::unique_ptr<AnimationEncoder> webm_video(const AnimationTiming& timing, int quality,
+                                             const std::vector<TextField>& metadata);
 
 }  // namespace furnace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -14,6 +15,7 @@ namespace furnace {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr float kLargest = std::numeric_limits<float>::max();
 
 struct LayoutRow {
   std::string_view name;
@@ -38,6 +40,11 @@ using Places = std::array<std::array<int, 2>, 6>;
 constexpr Places kHorizontalCross = {{{2, 1}, {0, 1}, {1, 0}, {1, 2}, {1, 1}, {3, 1}}};
 constexpr Places kVerticalCross = {{{2, 1}, {0, 1}, {1, 0}, {1, 2}, {1, 1}, {1, 3}}};
 
+const Places* places_of(EnvironmentLayout layout) {
+  if (layout == EnvironmentLayout::kHorizontalCross) return &kHorizontalCross;
+  return layout == EnvironmentLayout::kVerticalCross ? &kVerticalCross : nullptr;
+}
+
 class Cube {
  public:
   Cube(const Image& picture, EnvironmentLayout layout)
@@ -58,8 +65,7 @@ class Cube {
 
  private:
   std::array<int, 2> place(Face face) const {
-    if (layout_ == EnvironmentLayout::kHorizontalCross) return kHorizontalCross[face];
-    if (layout_ == EnvironmentLayout::kVerticalCross) return kVerticalCross[face];
+    if (const Places* places = places_of(layout_)) return (*places)[face];
     return layout_ == EnvironmentLayout::kHorizontalStrip ? std::array<int, 2>{face, 0}
                                                           : std::array<int, 2>{0, face};
   }
@@ -219,7 +225,8 @@ class Resampling {
     for (int j = 0; j < 2 * n_; ++j) {
       const float* row = coverage_.data() + std::size_t(j < n_ ? n_ - 1 - j : j - n_) * n_;
       for (int i = 0; i < 4 * n_; ++i, texel += 3)
-        for (int c = 0; c < 3; ++c) texel[c] /= row[i % n_];
+        // A mean of the largest floats must not round to infinity.
+        for (int c = 0; c < 3; ++c) texel[c] = std::min(texel[c] / row[i % n_], kLargest);
     }
   }
 
@@ -248,6 +255,21 @@ EnvironmentLayout layout_of(std::int64_t width, std::int64_t height, Environment
 
 int face_side(const Extent& picture, EnvironmentLayout layout) {
   return picture.width / row_of(layout).width;
+}
+
+void clear_beside_faces(Image& picture, EnvironmentLayout layout) {
+  const Places* places = places_of(layout);
+  if (!places) return;
+  const int side = face_side(picture.extent, layout);
+  const auto samples = picture.samples<float>();
+  for (int y = 0; y < picture.extent.height; ++y) {
+    for (int column = 0; column < row_of(layout).width; ++column) {
+      if (std::ranges::find(*places, std::array{column, y / side}) != places->end()) continue;
+      const std::size_t begin =
+          std::size_t(y) * std::size_t(picture.extent.width) + std::size_t(column * side);
+      std::ranges::fill(samples.subspan(3 * begin, 3 * std::size_t(side)), 0.0f);
+    }
+  }
 }
 
 Image equirect_of_cube(const Image& picture, EnvironmentLayout layout) {

@@ -38,6 +38,9 @@ EnvironmentLayout layout_of(std::int64_t width, std::int64_t height, Environment
 // The side of a face. `layout` is that of a cube.
 int face_side(const Extent& picture, EnvironmentLayout layout);
 
+// RGB kFloat32, of a cross: makes black what is no face, whatever a program left there.
+void clear_beside_faces(Image& picture, EnvironmentLayout layout);
+
 // RGB kFloat32 picture of a cube -> RGB kFloat32 equirect (the convention of ibl/baked_environment.hpp), four faces wide. Each
 // texel is the mean over its solid angle of the cube, which is constant over each of its own texels: no light is lost or made
 // (to 1e-3), a constant stays the same, and faces meet without a seam. Errors: kTooLarge as make_image. Threads: any.

@@ -314,6 +314,8 @@ std::string format_fault(const RenderSpec& spec) {
     return "a JPEG cannot be transparent; ask for png, webp or exr, or for another background";
   if (output.format == OutputFormat::kWebp && std::max(output.width, output.height) > kMaxWebpSidePx)
     return "a WebP has at most " + std::to_string(kMaxWebpSidePx) + " px a side; ask for another format";
+  if (output.format == OutputFormat::kWebm && !output.sequence)
+    return "a WebM is a video: give it a sequence, or ask for another format";
   return {};
 }
 
@@ -336,9 +338,12 @@ std::string sequence_fault(const RenderSpec& spec) {
   if (turns && !std::holds_alternative<OrbitCamera>(view) && !std::holds_alternative<LookAtCamera>(view))
     return "only an orbit or lookAt camera can go round; leave out turntableDegrees or the camera";
   const OutputFormat format = spec.output.format;
-  if (sequence.container == Sequence::Container::kAnimation && format != OutputFormat::kPng &&
-      format != OutputFormat::kWebp)
-    return "only png and webp hold an animation; ask for one of them, or for container zip";
+  const bool is_video = format == OutputFormat::kWebm;
+  if (sequence.container == Sequence::Container::kArchive)
+    return is_video ? "a ZIP of frames holds pictures; ask for another format, or leave out container" : "";
+  if (is_video && sequence.loops != 0) return "a WebM does not say how often it is played; leave out loops";
+  if (!is_video && format != OutputFormat::kPng && format != OutputFormat::kWebp)
+    return "only png, webp and webm hold an animation; ask for one of them, or for container zip";
   return {};
 }
 

@@ -217,7 +217,7 @@ struct CameraSpec {
   CameraMotion motion = {};
 };
 
-enum class OutputFormat { kPng, kExr, kJpeg, kWebp };
+enum class OutputFormat { kPng, kExr, kJpeg, kWebp, kWebm };
 enum class ToneMap {
   kPbrNeutral,
   kLinear,
@@ -257,12 +257,12 @@ struct Bloom {
 
 // Several pictures in place of one: the clips play on, the camera goes round.
 struct Sequence {
-  enum class Container { kAnimation, kArchive };  // APNG or animated WebP; a ZIP of single files
+  enum class Container { kAnimation, kArchive };  // APNG, animated WebP or WebM; a ZIP of single files
   std::optional<int> frames;                      // none: as many as the longest clip has at this rate
   double frames_per_second = 24;
   double turntable_rad = 0;  // the camera's way round over all frames, towards larger azimuths
   Container container = Container::kAnimation;
-  int loops = 0;  // 0: for ever
+  int loops = 0;  // 0: for ever; of a WebM the player says
 };
 
 struct OutputSpec {
@@ -271,7 +271,7 @@ struct OutputSpec {
   int bit_depth = 8;  // of a PNG: 8 or 16
   SampleType exr_type = SampleType::kFloat16;
   std::optional<ExrCompression> exr_compression;  // none: as encode_exr chooses
-  int compression_quality = 90;                   // of JPEG and of WebP that is not lossless, 1 to 100
+  int compression_quality = 90;                   // of JPEG, WebM, and WebP that is not lossless, 1 to 100
   bool lossless = false;                          // of a WebP
   ToneMap tone_map = ToneMap::kPbrNeutral;
   ColorGrade grade;

@@ -242,9 +242,9 @@ void add_options(CLI::App& command, Arguments& to) {
           "REQUEST.json, MODEL.glb, .gltf, .obj, .stl, .ply or .zip, a bundle, or - for standard input")
       ->required();
   command
-      .add_option(
-          "-o,--output", to.output,
-          "OUT.png, .exr, .jpg or .webp, of a sequence also .zip or frame_%04d.png; - for standard output")
+      .add_option("-o,--output", to.output,
+                  "OUT.png, .exr, .jpg or .webp, of a sequence also .webm, .zip or frame_%04d.png; - for "
+                  "standard output")
       ->required();
   command.add_option("--environment", to.environment,
                      "an .hdr or .exr file, or the name of a built-in environment");
@@ -256,7 +256,7 @@ void add_options(CLI::App& command, Arguments& to) {
       .add_option(
           "--frames", options.frames,
           "a sequence of so many pictures of the animation or the turntable; OUT is an animated .webp "
-          "or .png, a .zip, or a name such as frame_%04d.png for single files")
+          "or .png, a .webm, a .zip, or a name such as frame_%04d.png for single files")
       ->check(CLI::Range(2, 100'000));
   command.add_option("--fps", options.frames_per_second, "frames per second of a sequence; 24 if not said")
       ->check(CLI::Range(0.1, 120.0));
@@ -301,11 +301,13 @@ void add_options(CLI::App& command, Arguments& to) {
                   "of an EXR, beside the picture: depth,normal,albedo,cryptoObject ...; the schema has all")
       ->delimiter(',');
   command.add_option("--show", options.show, "one of them in place of the picture");
-  command.add_option("--format", options.format, "png, exr, jpeg or webp; else the ending of OUT says it");
+  command.add_option("--format", options.format,
+                     "png, exr, jpeg, webp or webm; else the ending of OUT says it");
   command.add_option("--bit-depth", options.bit_depth, "of a PNG, 8 or 16");
   command.add_option("--exr-type", options.exr_type, "half or float");
   command.add_option("--exr-compression", options.exr_compression, "none, zip, piz or dwaa");
-  command.add_option("--compression-quality", options.compression_quality, "of JPEG and WebP, 1 to 100");
+  command.add_option("--compression-quality", options.compression_quality,
+                     "of JPEG, WebP and WebM, 1 to 100");
   command.add_flag("--lossless", options.lossless, "of a WebP");
   CLI::Option* quality =
       command.add_option("--quality", options.quality, "draft, standard, high or reference");

@@ -28,10 +28,10 @@ TEST(Explain, SaysEachKindOfProblemInItsOwnWords) {
               ElementsAre(at("/output/width", "must be a whole number, got \"wide\"")));
   EXPECT_THAT(problems_of(R"({"output":{"width":1.5}})"),
               ElementsAre(at("/output/width", "must be a whole number, got 1.5")));
-  EXPECT_THAT(
-      problems_of(R"({"output":{"format":"PNG"}})"),
-      ElementsAre(at("/output/format",
-                     R"(must be one of "png", "exr", "jpeg", "webp"; got "PNG"; did you mean "png"?)")));
+  EXPECT_THAT(problems_of(R"({"output":{"format":"PNG"}})"),
+              ElementsAre(at(
+                  "/output/format",
+                  R"(must be one of "png", "exr", "jpeg", "webp", "webm"; got "PNG"; did you mean "png"?)")));
   EXPECT_THAT(problems_of(R"({"camera":{"lookAt":{"eye":[1,2]}}})"),
               ElementsAre(at("/camera/lookAt/eye", "must have 3 items, got 2")));
   EXPECT_THAT(problems_of(R"({"scene":{"materials":{"m":{"baseColor":[1]}}}})"),

@@ -25,6 +25,13 @@ class RenderServiceTest : public ::testing::Test {
   RenderService service_{fake_.painter(), admission_, pool_, none_};
 };
 
+RenderSpec turning(RenderSpec spec, int frames) {
+  spec.output.sequence = Sequence{};
+  spec.output.sequence->frames = frames;
+  spec.output.sequence->turntable_rad = 1;
+  return spec;
+}
+
 TEST_F(RenderServiceTest, EncodesInTheFormatAskedFor) {
   RenderSpec spec = small();
   const api::StoredRender png = *service_.render(spec, {}).image;
@@ -45,8 +52,8 @@ TEST_F(RenderServiceTest, EncodesInTheFormatAskedFor) {
 }
 
 TEST_F(RenderServiceTest, EveryFileNamesWhatMadeIt) {
-  RenderSpec spec = small();
   for (const api::FormatRow& row : api::kFormats) {
+    RenderSpec spec = row.format == OutputFormat::kWebm ? turning(small(), 2) : small();
     spec.output.format = row.format;
     const std::string bytes = service_.render(spec, {}).image->bytes;
     EXPECT_NE(bytes.find(spec_hash(spec).hex()), std::string::npos) << row.name;
@@ -60,13 +67,6 @@ TEST_F(RenderServiceTest, WhatAFormatCannotHoldIsRefusedBeforeDrawing) {
   spec.environment.background = TransparentBackground{};
   EXPECT_THROW(service_.render(spec, {}), Error);
   EXPECT_EQ(fake_.drawn, 0);
-}
-
-RenderSpec turning(RenderSpec spec, int frames) {
-  spec.output.sequence = Sequence{};
-  spec.output.sequence->frames = frames;
-  spec.output.sequence->turntable_rad = 1;
-  return spec;
 }
 
 TEST_F(RenderServiceTest, ASequenceIsOneFileOrOneForEachFrame) {
@@ -85,6 +85,11 @@ TEST_F(RenderServiceTest, ASequenceIsOneFileOrOneForEachFrame) {
   EXPECT_EQ(webp.image->frames, 3);
   EXPECT_EQ(webp.times.draw_ms, 3);
   EXPECT_EQ(progress, (std::vector{1, 2, 3}));
+
+  spec.output.format = OutputFormat::kWebm;
+  const Rendered webm = service_.render(spec, {});
+  EXPECT_EQ(webm.image->media_type, "video/webm");
+  EXPECT_TRUE(webm.image->bytes.starts_with("\x1A\x45\xDF\xA3"));
 
   spec.output.sequence->container = Sequence::Container::kArchive;
   spec.output.format = OutputFormat::kExr;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 
 #include <gmock/gmock.h>
@@ -186,6 +187,37 @@ TEST(CubeEnvironment, IsDecodedAsItsLayoutSays) {
   const Error other = sample::error_of([&] { decode_environment(file, {}, EnvironmentLayout::kEquirect); });
   EXPECT_EQ(other.code, ErrorCode::kUnprocessable);
   EXPECT_THAT(other.message, HasSubstr("vertical-cross"));
+}
+
+// Programs leave there whatever they like; of it nothing is repaired, and nothing is told.
+TEST(CubeEnvironment, WhatIsBesideTheFacesDoesNotCount) {
+  for (const EnvironmentLayout layout :
+       {EnvironmentLayout::kHorizontalCross, EnvironmentLayout::kVerticalCross}) {
+    constexpr int kSide = 2;
+    Image cross = cube_of(layout, kSide, [](const Direction& d) {
+      return Rgb{2 + d[0], 2 + d[1], 2 + d[2]};
+    });
+    const DecodedEnvironment clean = decode_environment(Blob(encode_exr(cross, {})), {});
+    const auto samples = cross.samples<float>();
+    const std::size_t first_row = std::size_t(cross.extent.width) * 3;
+    std::fill_n(samples.begin(), 3 * kSide, std::numeric_limits<float>::quiet_NaN());  // no face in any cross
+    std::fill_n(samples.begin() + std::ptrdiff_t(first_row) - 3, 3, -1.0f);
+    const DecodedEnvironment decoded = decode_environment(Blob(encode_exr(cross, {})), {});
+    EXPECT_EQ(decoded.repairs.nan_samples, 0);
+    EXPECT_EQ(decoded.repairs.negative_samples, 0);
+    EXPECT_EQ(decoded.equirect.pixels, clean.equirect.pixels);
+  }
+}
+
+TEST(CubeEnvironment, AMeanOfTheLargestFloatsIsFinite) {
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  for (const EnvironmentLayout layout : kCubes) {
+    for (int side : {1, 2, 7, 16}) {
+      const auto radiance = [](const Direction&) { return Rgb{kLargest, kLargest, kLargest}; };
+      const Image map = equirect_of_cube(cube_of(layout, side, radiance), layout);
+      for (const float sample : map.samples<float>()) ASSERT_TRUE(std::isfinite(sample)) << side;
+    }
+  }
 }
 
 TEST(CubeEnvironment, ItsMapIsHeldWithinTheLimits) {

@@ -203,6 +203,18 @@ TEST(Sequence, SaysWhatCannotBe) {
   RenderSpec fixed = sequence_spec(4, 1);
   fixed.camera.view = GltfCamera{};
   EXPECT_NE(sequence_fault(fixed), "");
+
+  RenderSpec video = sequence_spec(4, 1);
+  EXPECT_EQ(format_fault(video), "");
+  video.output.format = OutputFormat::kWebm;
+  EXPECT_EQ(format_fault(video) + sequence_fault(video), "");
+  video.output.sequence->loops = 2;
+  EXPECT_NE(sequence_fault(video), "") << "the player's";
+  video.output.sequence->loops = 0;
+  video.output.sequence->container = Sequence::Container::kArchive;
+  EXPECT_NE(sequence_fault(video), "");
+  video.output.sequence.reset();
+  EXPECT_NE(format_fault(video), "") << "one picture";
 }
 
 }  // namespace
