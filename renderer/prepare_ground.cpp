@@ -11,6 +11,7 @@ namespace furnace {
 namespace {
 
 constexpr int kLeastLights = 128, kMostLights = 1024;
+constexpr int kLeastPlaces = 16, kMostPlaces = 128;
 
 // A run of the list, which is spread as well as all of it, and stands for all of its light.
 std::vector<LightDirection> part_of(const std::vector<LightDirection>& lights, LightPart part) {
@@ -90,9 +91,13 @@ PreparedGround GroundWork::with_shadow(const ContentHash& scene_key, const Prepa
   ground.light = std::make_shared<const std::vector<LightDirection>>(
       light_on_ground(scene, rotation_rad_, lights, part));
   for (const Light& light : scene.lights) {
-    if (light.kind == LightKind::kDirectional && !light.casts_shadow)
+    if (light.kind != LightKind::kDirectional)
+      ground.lamps.push_back(light);
+    else if (!light.casts_shadow)
       ground.free_irradiance += light.intensity * std::max(-light.direction.y, 0.0);
   }
+  ground.places = std::max(kMostPlaces / part.count, kLeastPlaces);
+  ground.first_place = part.index * ground.places;
   ground.occluders = occluders_of(scene.meshes);
   return ground;
 }

@@ -40,11 +40,15 @@ void bind_environment(const PassContext& pass) {
   gl::SamplerCache& samplers = pass.residency.samplers();
   glBindTextureUnit(kAtlasUnit, pass.scene.environment->atlas.id());
   glBindSampler(kAtlasUnit, samplers.get(pass.context, kTableSampler));
-  glBindTextureUnit(kTablesUnit, pass.scene.lobe_tables->texture.id());
-  glBindSampler(kTablesUnit, samplers.get(pass.context, kTableSampler));
+  bind_tables(pass.context, pass.residency, pass.scene);
   if (pass.sky_sums == nullptr) return;
   glBindTextureUnit(kSkySumsUnit, pass.sky_sums->id());
   glBindSampler(kSkySumsUnit, samplers.get(pass.context, kTableSampler));
+}
+
+void bind_tables(gl::Context& context, Residency& residency, const GpuScene& scene) {
+  glBindTextureUnit(kTablesUnit, scene.lobe_tables->texture.id());
+  glBindSampler(kTablesUnit, residency.samplers().get(context, kTableSampler));
 }
 
 void bind_texels(gl::Context& context, Residency& residency, GLuint unit, const gl::Texture& texture) {

@@ -15,6 +15,8 @@ gl::PassState tile_state(const PassContext& pass, const gl::Framebuffer& framebu
 void bind_sky(const PassContext& pass, const GpuTexture& sky);
 // The sky, the atlas and the DFG table.
 void bind_environment(const PassContext& pass);
+// The tables of lobes, with the profiles of the scene's lights.
+void bind_tables(gl::Context& context, Residency& residency, const GpuScene& scene);
 // A texture whose texels are fetched one by one.
 void bind_texels(gl::Context& context, Residency& residency, GLuint unit, const gl::Texture& texture);
 // The shadow maps, as they are compared and as they are.

@@ -8,6 +8,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "renderer/base/check.hpp"
+#include "renderer/frame/light_places.hpp"
 #include "renderer/frame/light_polygon.hpp"
 #include "renderer/scene/transform.hpp"
 
@@ -17,16 +18,6 @@ namespace {
 constexpr int kFewViews = 6;  // of a point light, or of all lights of most scenes
 constexpr int kFinePx = 1024, kCoarsePx = 512;
 constexpr double kMarginPx = 4;  // round what a view must hold, for the filter
-
-// Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences": place i in the unit disc, by areas. Of his sequence in
-// four dimensions the last two, so that it does not go hand in hand with the places in the pixel, which are his two.
-glm::dvec2 disc_place(int i) {
-  constexpr double kRoot = 1.16730397826141868;  // of x^5 = x + 1
-  const auto fraction = [](double x) { return x - std::floor(x); };
-  const double radius = std::sqrt(fraction(0.5 + i / std::pow(kRoot, 3)));
-  const double angle = 2 * kPi * fraction(0.5 + i / std::pow(kRoot, 4));
-  return {radius * std::cos(angle), radius * std::sin(angle)};
-}
 
 struct ShadowView {
   glm::dmat4 clip_from_world{1};
@@ -67,22 +58,6 @@ ShadowView perspective_view(const glm::dvec3& eye, const glm::dvec3& direction, 
   return out;
 }
 
-// Place i in the unit ball so that from every side the places fill the ball's disc evenly: by Abel's transform of an even
-// disc their density is 1 / sqrt(1 - r^2), so with r = sin t the share within t is (2 t - sin 2t) / pi.
-glm::dvec3 ball_place(int i) {
-  constexpr double kRoot = 1.22074408460575947536;  // of x^4 = x + 1: Roberts' sequence in three dimensions
-  const auto fraction = [](double x) { return x - std::floor(x); };
-  const double share = fraction(0.5 + i / kRoot);
-  double low = 0, high = kPi / 2;
-  for (int step = 0; step < 50; ++step) {
-    const double middle = (low + high) / 2;
-    (2 * middle - std::sin(2 * middle) < share * kPi ? low : high) = middle;
-  }
-  const double up = 2 * fraction(0.5 + i / (kRoot * kRoot)) - 1, across = std::sqrt(1 - up * up);
-  const double angle = 2 * kPi * fraction(0.5 + i / (kRoot * kRoot * kRoot));
-  return std::sin(low) * glm::dvec3(across * std::cos(angle), up, across * std::sin(angle));
-}
-
 struct Ball {
   glm::dvec3 centre{0};
   double radius = 0;
@@ -90,12 +65,6 @@ struct Ball {
 Ball ball_round(const Bounds& scene) {
   return {glm::dvec3(scene.min + scene.max) * 0.5,
           std::max(glm::length(glm::dvec3(scene.max - scene.min)) * 0.5, 1e-9)};
-}
-
-// m: of a ball that holds all of the light.
-double extent_m(const Light& light) {
-  return light.kind == LightKind::kRectangle ? glm::length(glm::dvec2(light.width_m, light.height_m)) / 2
-                                             : light.radius_m;
 }
 
 // Of a disc as large as what is seen of the light.

@@ -88,6 +88,10 @@ struct PreparedGround {
   glm::dvec3 free_irradiance{0};  // of lights that cast no shadow, RGB
   // What else would light the plane without the scene, in world space. Null when the shadow was resident on the GPU a moment ago.
   std::shared_ptr<const std::vector<LightDirection>> light;
+  // With `light`: all lights that have a place; what falls from them is worked out where it falls. Of each one that casts a
+  // shadow `places` places from `first_place` on stand for all of it.
+  std::vector<Light> lamps;
+  int first_place = 0, places = 0;
   // With `light`: of every mesh what casts its shadow where it is opaque (scene/occluder.hpp); null of what is no
   // triangles.
   std::vector<std::shared_ptr<const std::vector<std::uint32_t>>> occluders;

@@ -19,15 +19,17 @@ layout(location = 3) out float vertex_alpha;
 void main() {
   vec4 position = draw.world_from_model * vec4(position_model, 1.0);
   vec4 towards = ground.light[gl_InstanceID];
-  // What lies below the ground casts nothing beyond its own place.
-  vec2 at = position.xz - towards.xy * max(position.y - ground.level, 0.0);
+  // What lies below the ground casts nothing beyond its own place; what lies above a lamp has w < 0 and is clipped.
+  float height = max(position.y - ground.level, 0.0);
+  vec2 at = position.xz - towards.xy * height;
+  float w = 1.0 - towards.z * height;
   light = uint(gl_InstanceID);
-  least_opacity = towards.z;
+  least_opacity = towards.w;
 #if FEATURE_ALPHA_MASK || FEATURE_ALPHA_BLEND
   uv01 = uv01_model;
   vertex_alpha = color.a;
 #endif
   // Within a texel, each light its own way: hard shadows of a sun have smooth edges.
-  vec2 shift = vec2(towards.w, ground.weight[gl_InstanceID].w);
-  gl_Position = vec4(at * ground.clip_from_ground.xy + ground.clip_from_ground.zw + shift, 0.5, 1.0);
+  vec2 middle = ground.clip_from_ground.zw + ground.shift[gl_InstanceID].xy;
+  gl_Position = vec4(at * ground.clip_from_ground.xy + middle * w, 0.5 * w, w);
 }

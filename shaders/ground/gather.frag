@@ -1,4 +1,4 @@
-// The bits of the lights that do not reach the ground here -> minus their share of all light.
+// The bits of the lights that do not reach the ground here -> minus their share of all far light.
 #include "interface/ground_block.glsl"
 
 layout(std140, binding = 3) uniform GroundUniform { GroundBlock ground; };

@@ -2,6 +2,7 @@
 #include "interface/frame_block.glsl"
 #include "lib/brdf_layers.glsl"
 #include "lib/color.glsl"
+#include "lib/lobe_tables.glsl"
 #include "lib/sphere.glsl"
 #include "surface/constants.glsl"
 
@@ -9,7 +10,6 @@ layout(std140, binding = 0) uniform FrameUniform { FrameBlock frame; };  // for 
 
 layout(binding = 5) uniform sampler2D sky_map;    // the environment itself, equirect
 layout(binding = 6) uniform sampler2D atlas_map;  // octahedral tiles: GGX levels and irradiance
-layout(binding = 7) uniform sampler2DArray lobe_tables;  // layers: renderer/ibl/dfg.hpp, ltc.hpp, then the lights' profiles
 
 // Scale and bias of the split sum, lean of the lobe, albedo of the sheen.
 vec4 dfg_at(float NoV, float perceptual_roughness) {

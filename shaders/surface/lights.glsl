@@ -1,8 +1,7 @@
 // Direct light: of directional, point and spot lights, all of them discs or spheres of some size, and of surfaces; with shadows.
-#include "interface/light_block.glsl"
 #include "surface/environment_light.glsl"
+#include "surface/light_at.glsl"
 
-layout(std140, binding = 4) uniform LightUniform { LightBlock lights; };
 layout(binding = 14) uniform sampler2DArrayShadow shadow_maps;
 #if !FEATURE_ENVIRONMENT_VISIBILITY
 layout(binding = 15) uniform sampler2DArray shadow_depths;  // the same texels, without comparison
@@ -161,19 +160,6 @@ void add_surface_light(Surface s, Lit lit, LightRow light, vec3 radiance, float 
 }
 #endif
 
-#if FEATURE_LIGHT_PROFILES
-// [0, 1], towards unit `away`: renderer/scene/light_profile.hpp.
-float profile_share(LightRow light, vec3 away) {
-  if (light.across.w == 0.0) return 1.0;
-  vec3 y = cross(light.across.xyz, light.axis.xyz);
-  float vertical = acos(clamp(dot(light.axis.xyz, away), -1.0, 1.0));
-  float horizontal = atan(dot(y, away), dot(light.across.xyz, away));
-  vec2 at = vec2(fract(horizontal / TWO_PI), acos(clamp(1.0 - 2.0 * INV_PI * vertical, -1.0, 1.0)) * INV_PI);
-  vec2 size = vec2(textureSize(lobe_tables, 0).xy);
-  return textureLod(lobe_tables, vec3((at * (size - 1.0) + 0.5) / size, light.across.w), 0.0).r;
-}
-#endif
-
 // Which of the six views of a point light sees a direction from it: +X -X +Y -Y +Z -Z.
 int cube_face(vec3 d) {
   vec3 a = abs(d);
@@ -255,43 +241,25 @@ void add_direct_light(Surface s, inout Leaving leaving) {
   Lit lit = lit_surface(s);
   for (uint i = 0u; i < lights.count; ++i) {
     LightRow light = lights.lights[i];
-    vec3 to_light = light.place.xyz;
-    float distance_m = 1.0, radius_rad = light.axis.w;
-    vec3 irradiance = light.intensity.rgb;
 #if FEATURE_SURFACE_LIGHTS
     if (light.place.w >= LIGHT_RECTANGLE) {
-      to_light -= s.position;
-      distance_m = max(length(to_light), 1e-6);
+      vec3 to_light = light.place.xyz - s.position;
+      float distance_m = max(length(to_light), 1e-6);
       to_light /= distance_m;
-      bool shines = light.place.w == LIGHT_BALL || light.across.w > 0.0 || dot(light.axis.xyz, to_light) < 0.0;
-      if (!shines) continue;
-      vec3 radiance = irradiance * light_visibility(light, s.position, s.vertex_normal, to_light, distance_m);
+      if (!shines_towards(light, to_light)) continue;
+      vec3 radiance = light.intensity.rgb * light_visibility(light, s.position, s.vertex_normal, to_light, distance_m);
       if (radiance != vec3(0.0)) add_surface_light(s, lit, light, radiance, distance_m, leaving);
       continue;
     }
 #endif
-    if (light.place.w == LIGHT_PLACE) {
-      to_light -= s.position;
-      distance_m = max(length(to_light), 1e-6);
-      to_light /= distance_m;
-      // KHR_lights_punctual: inverse square, a window at the range, the falloff of the cone. Within a sphere the light grows
-      // no more.
-      float reach2 = max(distance_m * distance_m, light.axis.w * light.axis.w);
-      float q = reach2 * light.intensity.w;
-      float cone = clamp(dot(light.axis.xyz, -to_light) * light.cone.x + light.cone.y, 0.0, 1.0);
-      irradiance *= clamp(1.0 - q * q, 0.0, 1.0) * cone * cone / reach2;
-#if FEATURE_LIGHT_PROFILES
-      irradiance *= profile_share(light, -to_light);
-#endif
-      radius_rad = atan(light.axis.w, distance_m);
-    }
-    if (irradiance == vec3(0.0)) continue;
+    LightAt at = light_at(light, s.position);
+    if (at.irradiance == vec3(0.0)) continue;
 #if !(FEATURE_TRANSMISSION || FEATURE_DIFFUSE_TRANSMISSION || FEATURE_CLEARCOAT)
     // Nothing reaches a surface that is turned away, but for the edge of a disc.
-    if (dot(s.normal, to_light) < -sin(radius_rad)) continue;
+    if (dot(s.normal, at.towards) < -sin(at.radius_rad)) continue;
 #endif
-    irradiance *= light_visibility(light, s.position, s.vertex_normal, to_light, distance_m);
-    if (irradiance == vec3(0.0)) continue;
-    add_disc_light(s, lit, to_light, radius_rad, irradiance, leaving);
+    at.irradiance *= light_visibility(light, s.position, s.vertex_normal, at.towards, at.distance_m);
+    if (at.irradiance == vec3(0.0)) continue;
+    add_disc_light(s, lit, at.towards, at.radius_rad, at.irradiance, leaving);
   }
 }

@@ -1,47 +1,12 @@
 // Light of surfaces that shine: rectangles, discs and balls.
-#include "lib/ltc.glsl"
 #include "surface/environment_light.glsl"
+#include "surface/light_at.glsl"
 
-// One as it is seen from a surface: corners on two axes about its middle, m from there.
-struct Outline {
-  vec3 middle, x, y;
-};
-
-Outline outline_of(LightRow light, vec3 position) {
-  Outline o;
-  o.middle = light.place.xyz - position;
-  if (light.place.w == LIGHT_BALL) {
-    // The disc through its middle that covers as much of the view.
-    float distance2 = dot(o.middle, o.middle), radius = light.axis.w;
-    vec3 z = o.middle * inversesqrt(distance2);
-    o.x = unit_across(z) * radius * sqrt(distance2 / max(distance2 - radius * radius, 1e-4 * distance2));
-    o.y = cross(z, o.x);
-  } else {
-    o.x = light.across.xyz * light.cone.z;
-    o.y = cross(light.across.xyz, light.axis.xyz) * light.cone.w;
-  }
-  return o;
-}
-
-vec3 corner_at(Outline o, int row, int i) {
-  vec4 two = lights.corners[row + (i >> 1)];
-  vec2 at = (i & 1) == 0 ? two.xy : two.zw;
-  return o.middle + at.x * o.x + at.y * o.y;
-}
-
-// The share of a lobe that the light takes; `cosine_from_world` turns the lobe into a cosine about z. `corners`: first row, count.
-float lobe_share(Outline o, ivec2 corners, mat3 cosine_from_world) {
-  PolygonSum sum = begin_polygon(cosine_from_world * corner_at(o, corners.x, corners.y - 1));
-  for (int i = 0; i < corners.y; ++i) add_corner(cosine_from_world * corner_at(o, corners.x, i), sum);
-  return end_polygon(sum);
-}
-
-// World -> a frame with `normal` as z and the viewer above x.
+// With the viewer above x.
 mat3 shading_frame(vec3 normal, vec3 to_viewer) {
   vec3 x = to_viewer - dot(to_viewer, normal) * normal;
   float length2 = dot(x, x);
-  x = length2 > 1e-8 ? x * inversesqrt(length2) : unit_across(normal);
-  return transpose(mat3(x, cross(normal, x), normal));
+  return plane_frame(normal, length2 > 1e-8 ? x * inversesqrt(length2) : unit_across(normal));
 }
 
 // See renderer/ibl/ltc.hpp.
@@ -78,7 +43,7 @@ const int LOBES = LOBE_COAT + FEATURE_CLEARCOAT;
 void add_surface_light(Surface s, Lit lit, LightRow light, vec3 radiance, float distance_m, inout Leaving leaving) {
   Outline o = outline_of(light, s.position);
   ivec2 part = ivec2(light.cone.xy);
-  ivec2 whole = light.place.w == LIGHT_RECTANGLE ? ivec2(DISC_CORNERS / 2u, 4) : ivec2(0, DISC_CORNERS);
+  ivec2 whole = whole_outline(light);
   mat3 lobes[LOBES];
   float alphas[LOBES];  // of what is no cosine from the start
   for (int k = 0; k < LOBES; ++k) alphas[k] = 1.0;
