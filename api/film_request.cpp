@@ -207,6 +207,7 @@ void read_output(const Value& value, const RequestLimits& limits, OutputSpec& sp
   read(value["bitDepth"], spec.bit_depth);
   read(value["compressionQuality"], spec.compression_quality);
   read(value["lossless"], spec.lossless);
+  read(value["dither"], spec.dither);
   static constexpr Choice<ToneMap> kCurves[] = {
       {"pbr-neutral", ToneMap::kPbrNeutral}, {"aces", ToneMap::kAces},     {"agx", ToneMap::kAgx},
       {"reinhard", ToneMap::kReinhard},      {"linear", ToneMap::kLinear}, {"none", ToneMap::kNone}};

@@ -67,6 +67,7 @@ constexpr std::array kKeys = {
     QueryKey{"samples", "/output/samples", kNumber},
     QueryKey{"compressionQuality", "/output/compressionQuality", kNumber},
     QueryKey{"lossless", "/output/lossless", kFlag},
+    QueryKey{"dither", "/output/dither", kFlag},
     QueryKey{"toneMap", "/output/toneMap", kText},
     QueryKey{"whiteBalance", "/output/whiteBalanceKelvin", kNumber},
     QueryKey{"contrast", "/output/contrast", kNumber},

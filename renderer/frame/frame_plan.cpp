@@ -142,6 +142,7 @@ FramePlan plan_frame(const RenderSpec& spec, int max_tile_px, double auto_ev) {
     plan.bloom = PlannedBloom{bloom->source, float(bloom->intensity), float(bloom->threshold), {}};
   plan.tone_map = spec.output.tone_map;
   plan.film_type = film_type(spec.output);
+  plan.dither = spec.output.dither && plan.film_type == SampleType::kUint8;
   return plan;
 }
 

@@ -54,6 +54,7 @@ struct FramePlan {
   LayerPlan layers;
   ToneMap tone_map = ToneMap::kPbrNeutral;
   SampleType film_type = SampleType::kUint8;  // kUint8/16: tone-mapped sRGB; kFloat16/32: linear
+  bool dither = false;                        // of a film of kUint8
   bool opaque = true;                         // no transparent pixel can come out
 
   // Whether the filter takes some sub-frames away.

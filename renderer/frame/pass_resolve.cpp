@@ -143,8 +143,12 @@ constexpr float kWhiteFromIrradiance = float(1 / kPi);
 void resolve_picture(const PassContext& pass) {
   const ToneCurve curve = tone_curve(pass.plan);
   const bool graded = pass.plan.grade || curve > kCurveSceneLinear;
-  const GLuint program =
-      resolve_program(pass, pass.sum == nullptr, graded ? gl::FeatureSet(gl::kFeatureGrade) : 0);
+  gl::FeatureSet features = 0;
+  if (graded) features |= gl::kFeatureGrade;
+  if (pass.plan.dither) features |= gl::kFeatureDither;
+  const GLuint program = resolve_program(pass, pass.sum == nullptr, features);
+  constexpr GLint kTileLocation = 10;
+  if (pass.plan.dither) glProgramUniform2f(program, kTileLocation, float(pass.tile.x), float(pass.tile.y));
   if (graded) set_grade(program, pass.plan.grade.value_or(PlannedGrade{}));
   if (pass.shown == FilmLayer::kIrradiance && !pass.plan.scene_linear())
     glProgramUniform1f(program, kExposureLocation, pass.veil_exposure() * kWhiteFromIrradiance);

@@ -46,6 +46,7 @@ enum Feature : FeatureSet {
   kFeatureLightTerm = 1ull << 35,
   kFeatureNearest = 1ull << 36,
   kFeatureEnvironmentVisibility = 1ull << 37,
+  kFeatureDither = 1ull << 38,
 };
 
 }  // namespace furnace::gl

@@ -275,9 +275,9 @@ class CanonicalHash {
 
   void add(const OutputSpec& value) {
     const auto& [width, height, format, bit_depth, exr_type, exr_compression, compression_quality, lossless,
-                 tone_map, grade, pixel_filter, bloom, samples, layers, shown, sequence] = value;
+                 dither, tone_map, grade, pixel_filter, bloom, samples, layers, shown, sequence] = value;
     add_all(width, height, format, bit_depth, exr_type, exr_compression, compression_quality, lossless,
-            tone_map, grade, pixel_filter, bloom, samples, layers, shown, sequence);
+            dither, tone_map, grade, pixel_filter, bloom, samples, layers, shown, sequence);
   }
 
   void add(const RenderSpec& value) {

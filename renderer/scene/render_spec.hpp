@@ -273,6 +273,7 @@ struct OutputSpec {
   std::optional<ExrCompression> exr_compression;  // none: as encode_exr chooses
   int compression_quality = 90;                   // of JPEG, WebM, and WebP that is not lossless, 1 to 100
   bool lossless = false;                          // of a WebP
+  bool dither = false;                            // of 8 bits: rounds by a pattern instead of to the nearest
   ToneMap tone_map = ToneMap::kPbrNeutral;
   ColorGrade grade;
   PixelFilter pixel_filter;
@@ -299,7 +300,7 @@ std::string sequence_fault(const RenderSpec& spec);
 std::string layers_fault(const OutputSpec& output);
 
 // Raised when the same canonical bytes would mean another picture.
-inline constexpr int kRenderSpecVersion = 6;
+inline constexpr int kRenderSpecVersion = 7;
 
 // Hash of the canonical form: equal for two specs that describe the same picture, whatever JSON they came
 // from.

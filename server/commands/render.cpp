@@ -309,6 +309,7 @@ void add_options(CLI::App& command, Arguments& to) {
   command.add_option("--compression-quality", options.compression_quality,
                      "of JPEG, WebP and WebM, 1 to 100");
   command.add_flag("--lossless", options.lossless, "of a WebP");
+  command.add_flag("--dither", options.dither, "rounds to 8 bits by a pattern: no bands in gradients");
   CLI::Option* quality =
       command.add_option("--quality", options.quality, "draft, standard, high or reference");
   command.add_option("--samples", options.samples, "sub-frames, instead of a quality")->excludes(quality);

@@ -165,6 +165,7 @@ std::string request_document(const RenderOptions& options, const std::string& mo
   output.add("exrCompression", options.exr_compression);
   output.add("compressionQuality", options.compression_quality);
   if (options.lossless) output.add_raw("lossless", "true");
+  if (options.dither) output.add_raw("dither", "true");
   output.add("toneMap", options.tone_map);
   output.add("whiteBalanceKelvin", options.white_balance_kelvin);
   output.add("whiteBalanceTint", options.white_balance_tint);
@@ -228,6 +229,7 @@ void apply_options(const RenderOptions& options, const RenderSpec& said, RenderS
   if (options.exr_compression) spec.output.exr_compression = said.output.exr_compression;
   if (options.compression_quality) spec.output.compression_quality = said.output.compression_quality;
   if (options.lossless) spec.output.lossless = said.output.lossless;
+  if (options.dither) spec.output.dither = said.output.dither;
   if (options.tone_map) spec.output.tone_map = said.output.tone_map;
   if (!options.layers.empty()) spec.output.layers = said.output.layers;
   if (describes_sequence(options) || options.container) {

@@ -13,7 +13,7 @@ struct RenderOptions {
   std::optional<int> width, height, samples;
   std::optional<std::string> quality, tone_map, format, exr_type, exr_compression;
   std::optional<int> bit_depth, compression_quality;
-  bool lossless = false;
+  bool lossless = false, dither = false;
   std::optional<double> ev100, aperture, shutter_seconds, iso;
   bool auto_exposure = false;
   std::optional<double> white_balance_kelvin, white_balance_tint, contrast, saturation;

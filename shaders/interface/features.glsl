@@ -40,3 +40,4 @@
 // FEATURE_LIGHT_TERM         surfaces show one term of their light's formula
 // FEATURE_NEAREST            of a pixel the nearest surface stands for all
 // FEATURE_ENVIRONMENT_VISIBILITY  the scene keeps the environment's light from itself
+// FEATURE_DITHER             what is stored is rounded by a pattern of the picture

@@ -20,6 +20,9 @@ layout(binding = 3) uniform sampler2D emission_map;
 layout(location = 8) uniform vec2 bloom;             // intensity, threshold
 layout(location = 9) uniform vec4 picture_from_tile;  // uv of the tile's upper left; of a pixel
 #endif
+#if FEATURE_DITHER
+layout(location = 10) uniform vec2 tile_px;  // its upper left corner in the picture
+#endif
 layout(location = 0) out vec4 out_color;
 
 #if FEATURE_BLOOM
@@ -48,6 +51,17 @@ vec3 toned(vec3 color) {
   return color;
 }
 
+#if FEATURE_DITHER
+// Jimenez 2014, "Next Generation Post Processing in Call of Duty: Advanced Warfare": interleaved gradient noise, of each channel from
+// another place. Less than half a step of 8 bits, so that a step stays what it is, black and white and whole alpha among them.
+vec4 dithered(vec4 color) {
+  const float kStep = 0.999 / 255.0;
+  vec2 at = floor(gl_FragCoord.xy) + tile_px;
+  vec4 noise = fract(52.9829189 * fract((at.x + 5.588238 * vec4(0.0, 1.0, 2.0, 3.0)) * 0.06711056 + at.y * 0.00583715));
+  return color.a > 0.0 ? color + (noise - 0.5) * kStep : color;
+}
+#endif
+
 void main() {
   vec4 pixel = frame_pixel(ivec2(gl_FragCoord.xy));
   pixel.rgb = max(pixel.rgb, 0.0);  // a pixel filter may have negative lobes
@@ -73,4 +87,7 @@ void main() {
   }
   vec3 color = alpha > 0.0 ? pixel.rgb * (exposure / alpha) : vec3(0.0);
   out_color = vec4(srgb_from_linear(clamp(toned(color), 0.0, 1.0)), alpha);
+#if FEATURE_DITHER
+  out_color = dithered(out_color);
+#endif
 }

@@ -357,6 +357,7 @@ constexpr FieldRow kFieldRows[] = {
     {"/output/bitDepth", R"({"output":{"bitDepth":@}})", "8", "16"},
     {"/output/compressionQuality", R"({"output":{"format":"jpeg","compressionQuality":@}})", "90", "75"},
     {"/output/lossless", R"({"output":{"format":"webp","lossless":@}})", "false", "true"},
+    {"/output/dither", R"({"output":{"dither":@}})", "false", "true"},
     {"/output/exrCompression", R"({"output":{"format":"exr","exrCompression":@}})", R"("none")", R"("dwaa")"},
     {"/output/toneMap", R"({"output":{"toneMap":@}})", R"("linear")", R"("none")"},
     {"/output/whiteBalanceKelvin", R"({"output":{"whiteBalanceKelvin":@}})", "6504", "2856"},

@@ -133,6 +133,72 @@ TEST_F(FilmGlTest, SixteenBitsRoundToTheSameEight) {
   EXPECT_TRUE(finer);
 }
 
+// A dark gradient of a few steps: the mean of each row is what 16 bits hold, where rounding leaves bands half a step off.
+TEST_F(FilmGlTest, DitherKeepsTheMean) {
+  RenderSpec spec;
+  NodeSpec ball;
+  ball.mesh = "sphere";
+  spec.scene.nodes = {ball};
+  spec.camera.view = LookAtCamera{{0, 5, 0}, {0, 10, 0}, {0, 0, 1}, 0.5};  // away from it
+  spec.environment.background =
+      GradientBackground{glm::vec3(0.05f, 0.06f, 0.07f), glm::vec3(0.052f, 0.062f, 0.08f)};
+  spec.output.width = spec.output.height = 64;
+  spec.output.tone_map = ToneMap::kNone;
+  spec.output.bit_depth = 16;
+  const Film exact = render(spec);
+  spec.output.bit_depth = 8;
+  const auto worst_row = [&](const Film& film) {
+    double worst = 0;
+    for (int y = 0; y < 64; ++y) {
+      for (int c = 0; c < 3; ++c) {
+        double error = 0;
+        for (int x = 0; x < 64; ++x) {
+          const std::size_t at = std::size_t((y * 64 + x) * film.image.channels + c);
+          const double difference =
+              film.image.samples<std::uint8_t>()[at] - exact.image.samples<std::uint16_t>()[at] / 257.0;
+          EXPECT_LT(std::abs(difference), 1.01);
+          error += difference / 64;
+        }
+        worst = std::max(worst, std::abs(error));
+      }
+    }
+    return worst;
+  };
+  EXPECT_GT(worst_row(render(spec)), 0.4);
+  spec.output.dither = true;
+  const Film dithered = render(spec);
+  EXPECT_LT(worst_row(dithered), 0.06);
+  EXPECT_EQ(render(spec).image.pixels, dithered.image.pixels);
+}
+
+TEST_F(FilmGlTest, DitherLeavesWhatEightBitsHoldAndTilesTheSame) {
+  RenderSpec spec;
+  spec.output.width = spec.output.height = 64;
+  NodeSpec ball;
+  ball.mesh = "sphere";
+  spec.scene.nodes = {ball};
+  spec.camera.view = LookAtCamera{{0, 5, 0}, {0, 10, 0}, {0, 0, 1}, 0.5};
+  spec.output.tone_map = ToneMap::kNone;
+  spec.output.dither = true;
+  for (const int code : {0, 1, 64, 200, 254, 255}) {
+    const float linear = linear_from_srgb(float(code) / 255);
+    spec.environment.background = ColorBackground{glm::vec3(linear)};
+    const Film film = render(spec);
+    for (int i = 0; i < 64; ++i) ASSERT_EQ(byte_at(film, i, 63 - i, i % 3), code);
+  }
+  // The pattern is the picture's, not the tile's.
+  spec.environment.background = ColorBackground{glm::vec3(0.3f)};
+  WorkerPool pool(2);
+  RendererConfig config;
+  config.gl = {"software", gl::Determinism::kExact};
+  config.max_tile_px = 40;
+  Renderer tiled(config, pool, decode::in_process_decoder());
+  EXPECT_EQ(tiled.render(spec, Deadline()).image.pixels, render(spec).image.pixels);
+  spec.environment.background = TransparentBackground{};
+  const Film empty = render(spec);
+  for (const std::uint8_t sample : empty.image.samples<std::uint8_t>()) ASSERT_EQ(sample, 0);
+}
+
 TEST_F(FilmGlTest, EachCurveIsItsOwn) {
   RenderSpec spec = furnace_of(glm::vec3(0.18f));
   spec.output.format = OutputFormat::kPng;

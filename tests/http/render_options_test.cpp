@@ -39,6 +39,7 @@ RenderOptions everything() {
   options.white_balance_tint = -7;
   options.contrast = 1.25;
   options.saturation = 0.5;
+  options.dither = true;
   options.rotation_degrees = 180;
   options.environment = "builtin:overcast";
   options.background = "#ff0080";

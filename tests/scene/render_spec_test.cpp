@@ -296,6 +296,7 @@ const std::vector<Mutation> kMutations = {
     {"EXR type", [](RenderSpec& s) { s.output.exr_type = SampleType::kFloat32; }},
     {"JPEG", [](RenderSpec& s) { s.output.format = OutputFormat::kJpeg; }},
     {"WebP", [](RenderSpec& s) { s.output.format = OutputFormat::kWebp; }},
+    {"dither", [](RenderSpec& s) { s.output.dither = true; }},
     {"bit depth", [](RenderSpec& s) { s.output.bit_depth = 16; }},
     {"EXR compression", [](RenderSpec& s) { s.output.exr_compression = ExrCompression::kZip; }},
     {"compression quality", [](RenderSpec& s) { s.output.compression_quality = 80; }},
