@@ -257,16 +257,21 @@ Reply Dispatcher::refuse(const Request& request, const Refusal& refusal) const {
   return reply;
 }
 
-Reply Dispatcher::overloaded() const {
+Reply Dispatcher::without_request(ErrorCode code, std::string message) const {
   const Request nobody;
-  Reply reply = problem(nobody, {ErrorCode::kOverloaded,
-                                 "The server has too many connections; try again in a moment.",
-                                 {},
-                                 {},
-                                 {},
-                                 {}});
+  Reply reply = problem(nobody, {code, std::move(message), {}, {}, {}, {}});
   add_common_headers(reply, nobody);
   return reply;
+}
+
+Reply Dispatcher::overloaded() const {
+  return without_request(ErrorCode::kOverloaded,
+                         "The server has too many connections; try again in a moment.");
+}
+
+Reply Dispatcher::needs_tls() const {
+  return without_request(ErrorCode::kInvalidRequest,
+                         "This port speaks HTTPS; ask again with https:// in the URL.");
 }
 
 }  // namespace furnace

@@ -55,6 +55,8 @@ class Dispatcher {
 
   // The reply to a connection for which there is no thread.
   Reply overloaded() const;
+  // The reply to plain HTTP where TLS is spoken.
+  Reply needs_tls() const;
 
  private:
   const Route* route_of(const Request& request) const;
@@ -64,6 +66,7 @@ class Dispatcher {
   Reply refused(const Request& request, const Refusal& refusal) const;
   void add_common_headers(Reply& reply, const Request& request) const;
   Reply problem(const Request& request, const Error& error) const;
+  Reply without_request(ErrorCode code, std::string message) const;
 
   std::vector<Route> routes_;
   Metrics& metrics_;

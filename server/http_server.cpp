@@ -144,7 +144,7 @@ struct HttpServer::State : private httplib::Server {
   const Dispatcher& dispatcher_;
   Metrics& metrics_;
   const TlsCertificate* const tls_;
-  const std::string too_many_connections_;
+  const std::string too_many_connections_, needs_tls_;
   BoundedPool* pool_ = nullptr;  // the library owns it while it listens
   InFlight in_flight_;
   std::atomic<bool> stopping_ = false;
@@ -161,7 +161,8 @@ HttpServer::State::State(const HttpConfig& config, const Dispatcher& dispatcher,
       dispatcher_(dispatcher),
       metrics_(metrics),
       tls_(tls),
-      too_many_connections_(raw_response(dispatcher.overloaded())) {
+      too_many_connections_(raw_response(dispatcher.overloaded())),
+      needs_tls_(raw_response(dispatcher.needs_tls())) {
   install_hooks();
   bind();
 }
@@ -304,7 +305,12 @@ void HttpServer::State::serve_connection(int socket) {
   const auto too_late = [this, opened] {
     return stopping_ || (pool_->under_pressure() && Clock::now() - opened > std::chrono::seconds(1));
   };
-  bool more = io.handshake(too_late) && io.wait_for_request(config_.io.header_timeout, too_late);
+  const Greeting greeting = io.handshake(too_late);
+  if (greeting == Greeting::kPlainHttp) {
+    io.write(needs_tls_.data(), needs_tls_.size());
+    io.linger(kHurriedLinger);
+  }
+  bool more = greeting == Greeting::kReady && io.wait_for_request(config_.io.header_timeout, too_late);
   for (int left = kMaxRequestsPerConnection - 1; more && serve_request(io, left == 0); --left) {
     more = io.wait_for_request(config_.keep_alive, [this] { return stopping_ || pool_->under_pressure(); });
   }

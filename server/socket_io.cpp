@@ -42,16 +42,20 @@ bool wait_ready(int socket, short events, milliseconds patience) {
 
 }  // namespace
 
-bool SocketIo::handshake(const std::function<bool()>& give_up) {
-  if (!tls_) return true;
+Greeting SocketIo::handshake(const std::function<bool()>& give_up) {
+  if (!tls_) return Greeting::kReady;
   const auto end = Clock::now() + limits_.header_timeout;
   do {
     const Step step = tls_->handshake().step;
-    if (step == Step::kMoved) return true;
-    if (step == Step::kEnded) return false;
+    if (step == Step::kMoved) return Greeting::kReady;
+    if (step == Step::kEnded) {
+      if (!tls_->met_plain_http()) return Greeting::kGone;
+      tls_.reset();
+      return Greeting::kPlainHttp;
+    }
     wait_ready(socket_, event_of(step), kSlice);
   } while (Clock::now() < end && !give_up());
-  return false;
+  return Greeting::kGone;
 }
 
 bool SocketIo::wait_for_request(milliseconds patience, const std::function<bool()>& give_up) {

@@ -22,6 +22,8 @@ struct IoLimits {
   std::int64_t max_head_bytes = 32 << 10;
 };
 
+enum class Greeting { kReady, kGone, kPlainHttp };
+
 enum class ReadFault { kNone, kClosed, kTimeout, kTooMuch };
 
 // Threads: one. Owns: the TLS session; the socket is its caller's.
@@ -31,9 +33,9 @@ class SocketIo {
   SocketIo(int socket, const IoLimits& limits, std::unique_ptr<TlsSession> tls = nullptr)
       : socket_(socket), limits_(limits), tls_(std::move(tls)) {}
 
-  // Agrees on keys with the client, within the time that a head may take, or until `give_up` says so. False: there will be no
-  // request.
-  bool handshake(const std::function<bool()>& give_up);
+  // Agrees on keys with the client, within the time that a head may take, or until `give_up` says so. kGone: there will be no
+  // request. kPlainHttp: the client knows nothing of keys; from now on bytes go over the wire as they are.
+  Greeting handshake(const std::function<bool()>& give_up);
 
   // Waits for a request's first byte until `patience` ends or `give_up` says so; false: there will be none.
   bool wait_for_request(std::chrono::milliseconds patience, const std::function<bool()>& give_up);

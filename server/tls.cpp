@@ -156,6 +156,7 @@ TlsSession::Progress TlsSession::handshake() {
   ERR_clear_error();
   const Progress progress = progress_of(SSL_accept(ssl_), 0);
   is_open_ = progress.step == Step::kMoved;
+  met_plain_http_ = progress.step == Step::kEnded && ERR_GET_REASON(ERR_peek_error()) == SSL_R_HTTP_REQUEST;
   if (progress.step == Step::kEnded) log::debug("tls.handshake_failed", {{"reason", last_reason()}});
   return progress;
 }

@@ -32,7 +32,8 @@ class TlsSession {
   TlsSession(const TlsSession&) = delete;
   TlsSession& operator=(const TlsSession&) = delete;
 
-  Progress handshake();  // kMoved: it is done
+  Progress handshake();                                    // kMoved: it is done
+  bool met_plain_http() const { return met_plain_http_; }  // which ended the handshake
   Progress read(char* out, std::size_t size);
   Progress write(const char* data, std::size_t size);
   void end();               // no more is written
@@ -42,7 +43,7 @@ class TlsSession {
   Progress progress_of(int outcome, std::size_t bytes);
 
   ssl_st* ssl_;
-  bool is_open_ = false;
+  bool is_open_ = false, met_plain_http_ = false;
 };
 
 // Threads: any. Owns: the certificate in use; connections share the one they began with.

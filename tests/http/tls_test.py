@@ -189,6 +189,19 @@ class Tls(Case):
                     connection.sendall(start)
                     self.assertTrue(self.rest(connection).startswith(b"HTTP/1.1 408 "))
 
+    def test_plain_http_is_told_what_it_met(self):
+        with self.server() as server:
+            plain = f"http://127.0.0.1:{server.port}"
+            answer = support.curl(f"{plain}/v1/renders", "-d", "{}")
+            self.expect_problem(answer, 400)
+            self.assertIn(b"https://", answer.body)
+            self.assertEqual(answer.headers["connection"], "close")
+            path = os.path.join(self.folder, "upload")
+            with open(path, "wb") as file:
+                file.write(bytes(2 << 20))
+            self.assertEqual(support.curl(f"{plain}/v1/assets", "-T", path).status, 400)
+            self.assertEqual(self.ask(server, "/livez").status, 200)
+
     def test_many_that_never_finish_their_handshake(self):
         with self.server("--header-timeout", "10min") as server:
             before = support.handles(server)
