@@ -146,7 +146,7 @@ Reply post_batch(const Doors& doors, const Request& request) {
     reply = Reply{200, std::move(batch.media_type), std::move(batch.bytes), {}};
     reply.with("Cache-Control", "no-store");
   }
-  reply.renders = int(planned.items.size());
+  reply.renders *= int(planned.items.size());
   return reply;
 }
 

@@ -171,6 +171,7 @@ Reply JobDoors::accept(const Request& request) {
   const Job job = wait ? wait_for(request, created.job, *wait) : created.job;
   Reply reply =
       wait && job.status == JobStatus::kSucceeded ? get_result(request, job.id) : reply_of(202, job);
+  if (!created.is_new) reply.renders = 0;  // that was charged when it was new
   if (reply.status == 200) reply.with("Content-Location", fmt::format("{}{}{}", kJobs, job.id, kJobResult));
   return std::move(reply.with("Preference-Applied", "respond-async"));
 }

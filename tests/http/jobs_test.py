@@ -87,6 +87,21 @@ class Jobs(Case):
                 self.assertEqual(server.curl(place, *as_key("root")).status, 200)
                 self.assertEqual(server.curl(place, "-X", "DELETE", *as_key("root")).status, 204)
 
+    def test_what_is_repeated_is_charged_once(self):
+        with tempfile.TemporaryDirectory() as folder:
+            keys = os.path.join(folder, "keys")
+            with open(keys, "w", encoding="ascii") as file:
+                file.write(f"anna:render:{hashlib.sha256(b'anna').hexdigest()}:0:7\n")
+            with Server("--api-keys-file", keys) as server:
+                anna = ("-H", "X-Api-Key: anna")
+                batch = {"request": small(), "items": [{"name": f"at_{px}", "changes": {"/output/width": px}} for px in (20, 21, 22)]}
+                for key in ("one", "one", "two", "one"):
+                    answer = server.curl("/v1/batches", *anna, *ASYNC, "-H", f'Idempotency-Key: "{key}"',
+                                         "-H", "Content-Type: application/json", "--data-binary", json.dumps(batch))
+                    self.assertEqual(answer.status, 202, answer.body[:500])
+                for status in (200, 429):  # the seventh of the day, and one too many
+                    self.assertEqual(server.render(small(), *anna).status, status)
+
     def test_what_is_wrong_is_told_at_once_or_by_the_job(self):
         with Server() as server:
             self.expect_problem(server.render({"output": {"width": 0}}, *ASYNC), 422)
