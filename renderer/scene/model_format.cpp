@@ -121,6 +121,33 @@ ModelFormat model_format(std::span<const std::byte> document, std::string_view n
   return ending == ".ply" ? ModelFormat::kPly : ModelFormat::kGltf;
 }
 
+std::string_view foreign_format(std::string_view document) {
+  struct Mark {
+    std::string_view begin, name;
+  };
+  static constexpr std::array<Mark, 16> kMarks = {{
+      {"Kaydara FBX", "an FBX file"},
+      {"; FBX", "an FBX file"},
+      {"PXR-USDC", "a USD file"},
+      {"#usda", "a USD file"},
+      {"BLENDER", "a Blender file"},
+      {"<?xml", "an XML file"},
+      {"<COLLADA", "a COLLADA file"},
+      {"<!DOCTYPE", "a web page"},
+      {"<html", "a web page"},
+      {"version https://git-lfs", "a pointer of Git LFS, not the file that it stands for"},
+      {"\x1f\x8b", "a gzip file; unpack it"},
+      {"Rar!", "a RAR archive; unpack it"},
+      {"7z\xbc\xaf", "a 7z archive; unpack it"},
+      {"\xff\xfe", "text in UTF-16, where UTF-8 is asked for"},
+      {"\xfe\xff", "text in UTF-16, where UTF-8 is asked for"},
+      {"OFF", "an OFF file"},
+  }};
+  const auto found =
+      std::ranges::find_if(kMarks, [&](const Mark& mark) { return document.starts_with(mark.begin); });
+  return found == kMarks.end() ? std::string_view() : found->name;
+}
+
 bool is_model_name(std::string_view name) {
   static constexpr std::array<std::string_view, 5> kEndings = {".glb", ".gltf", ".obj", ".stl", ".ply"};
   const std::string ending = lower(name.substr(std::min(name.rfind('.'), name.size())));

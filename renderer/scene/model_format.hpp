@@ -18,6 +18,8 @@ enum class UpAxis : std::uint8_t { kY, kZ };
 
 // By content; where that does not tell, by the ending of `name`; else glTF, whose reader says what is wrong.
 ModelFormat model_format(std::span<const std::byte> document, std::string_view name);
+// What a file is that none of these formats is, as far as its first bytes tell: "an FBX file"; "": not known.
+std::string_view foreign_format(std::string_view document);
 // Whether a file with this ending is a model at all.
 bool is_model_name(std::string_view name);
 
