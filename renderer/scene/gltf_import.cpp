@@ -17,6 +17,7 @@
 #include "renderer/scene/gltf_pose.hpp"
 #include "renderer/scene/gltf_surface.hpp"
 #include "renderer/scene/mesh_needs.hpp"
+#include "renderer/scene/precision.hpp"
 
 namespace furnace {
 
@@ -103,6 +104,7 @@ Scene Importer::import(const ImportOptions& options) {
     hash.add(clip.time.seconds).add(std::int64_t{clip.time.loop});
   }
   scene_.hash = hash.finish();
+  if (auto note = precision_note(scene_)) notes_.add(note->code, note->pointer, note->message);
   scene_.notes = notes_.take();
   return std::move(scene_);
 }

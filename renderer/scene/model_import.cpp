@@ -11,6 +11,7 @@
 #include "renderer/scene/gltf_notes.hpp"
 #include "renderer/scene/mesh_needs.hpp"
 #include "renderer/scene/model_material.hpp"
+#include "renderer/scene/precision.hpp"
 #include "renderer/scene/tangents.hpp"
 #include "renderer/scene/text_lines.hpp"
 
@@ -163,6 +164,7 @@ Scene import_model(const ModelBundle& bundle, std::optional<UpAxis> up, const Im
     scene.meshes.push_back(std::make_shared<const Mesh>(std::move(mesh)));
     scene.instances.push_back(std::move(instance));
   }
+  if (auto note = precision_note(scene)) notes.add(note->code, note->pointer, note->message);
   scene.notes = notes.take();
   return scene;
 }

@@ -296,6 +296,20 @@ TEST(Import, UndeclaredExtensionsAreToldWhereTheyStand) {
   EXPECT_EQ(builder.import().notes.at(0).pointer, "/extensionsUsed/0");
 }
 
+TEST(Import, WhatLiesTooFarForSinglePrecisionIsTold) {
+  GltfBuilder builder = clean_builder();
+  for (const double distance : {0.0, 1e3}) {
+    builder.json["nodes"][0]["translation"] = {distance, 0, 0};
+    EXPECT_THAT(builder.import().notes, IsEmpty()) << distance;
+  }
+  builder.json["nodes"][0]["translation"] = {0, -1e5, 0};
+  const Scene scene = builder.import();
+  ASSERT_EQ(scene.notes.size(), 1u);
+  EXPECT_EQ(scene.notes[0].code, "far-from-origin");
+  builder.json["nodes"][0]["scale"] = {1e3, 1e3, 1e3};
+  EXPECT_THAT(builder.import().notes, IsEmpty());
+}
+
 TEST(Notes, EndWithHowManyAreTold) {
   GltfNotes notes;
   for (int i = 0; i < 300; ++i) notes.add("code", std::to_string(i), "message");
