@@ -52,11 +52,19 @@ MtlText materials_of(const ModelBundle& bundle, GltfNotes& notes) {
   return mtl;
 }
 
-// What the readers of OBJ and STL have no way to tell.
+// 3D Gaussian splatting (Kerbl et al. 2023) keeps its ellipsoids in a PLY.
+bool has_splats(std::string_view ply) {
+  const std::string_view header = ply.substr(0, ply.find("end_header"));
+  return header.find(" f_dc_0") != header.npos && header.find(" scale_0") != header.npos;
+}
+
+// What the readers have no way to tell.
 void tell_omissions(const ModelBundle& bundle, GltfNotes& notes) {
   const std::string_view document = bundle.document.text();
   if (bundle.format == ModelFormat::kObj && has_free_forms(document))
     notes.add("geometry-ignored", "", "has free-form curves or surfaces, which were left out");
+  if (bundle.format == ModelFormat::kPly && has_splats(document))
+    notes.add("geometry-ignored", "", "has splats, which were drawn as points");
   constexpr std::size_t kEndSeen = 4096;
   const bool is_text =
       bundle.format == ModelFormat::kStl && !binary_stl_facets(bundle.document) && is_text_stl(document);

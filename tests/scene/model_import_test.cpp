@@ -69,6 +69,15 @@ TEST(ModelImport, ACloudIsPoints) {
   EXPECT_TRUE(scene.notes.empty());
 }
 
+TEST(ModelImport, SplatsAreToldToBePoints) {
+  const std::string cloud =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\n";
+  EXPECT_FALSE(has_note(import_text(cloud + "end_header\n1 2 3 0 0 0\n"), "geometry-ignored"));
+  EXPECT_TRUE(has_note(import_text(cloud + "property float scale_0\nend_header\n1 2 3 0 0 0 -4\n"),
+                       "geometry-ignored"));
+}
+
 TEST(ModelImport, StlIsFlatByItsCornersAndZIsUp) {
   const Scene scene = import_text(binary_stl("solid but binary", {0, 0, 0}));
   const Mesh& mesh = *scene.meshes.at(0);
