@@ -4,8 +4,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
 #include <utility>
@@ -239,6 +241,11 @@ void add_vertices(std::string_view obj, ModelBuilder& builder) {
   builder.add_part(std::move(mesh), 0, false);
 }
 
+[[noreturn]] void fail_as(const Assimp::Importer& importer) {
+  if (importer.GetException()) std::rethrow_exception(importer.GetException());
+  fail_unreadable(ModelFormat::kObj, importer.GetErrorString());
+}
+
 void add_obj(Bytes bytes, std::string_view materials, ModelBuilder& builder) {
   const std::string name = "model.obj";  // by whose ending the library takes its reader
   const std::string_view text = without_mark({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
@@ -253,12 +260,14 @@ void add_obj(Bytes bytes, std::string_view materials, ModelBuilder& builder) {
     importer.SetIOHandler(new MemoryFiles(
         name, document, std::as_bytes(std::span(from_first_material(materials)))));  // owns it
     const aiScene* scene = importer.ReadFile(name, 0);
-    if (scene == nullptr) fail_unreadable(ModelFormat::kObj, importer.GetErrorString());
+    if (scene == nullptr) fail_as(importer);
     check_faces(*scene, builder.limits());
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-    if (scene == nullptr) fail_unreadable(ModelFormat::kObj, importer.GetErrorString());
+    if (scene == nullptr) fail_as(importer);
     check_faces(*scene, builder.limits());
     add_scene(*scene, builder);
+  } catch (const std::bad_alloc&) {
+    throw;  // the process that decodes says so
   } catch (const std::exception& error) {
     fail_unreadable(ModelFormat::kObj, error.what());
   }
