@@ -7,6 +7,7 @@
 
 #include "renderer/base/error.hpp"
 #include "renderer/image/color.hpp"
+#include "renderer/scene/text_lines.hpp"
 
 namespace furnace {
 namespace {
@@ -30,11 +31,14 @@ const TextureNames& names_of(PlainTexture what) {
   return kNames[std::size_t(what)];
 }
 
-bool is_read(std::string_view statement) {
+bool is_of(const MtlTexture& texture, PlainTexture what) {
+  const auto& names = names_of(what).lower_case;
+  return std::ranges::find(names, lower(texture.statement)) != names.end();
+}
+
+bool is_read(const MtlTexture& texture) {
   for (std::size_t i = 0; i < kPlainTextures; ++i)
-    if (std::ranges::find(names_of(PlainTexture(i)).lower_case, statement) !=
-        names_of(PlainTexture(i)).lower_case.end())
-      return true;
+    if (is_of(texture, PlainTexture(i))) return true;
   return false;
 }
 
@@ -130,7 +134,7 @@ void MaterialMaker::tell_unused(const PlainMaterial& from, PlainTexture what, co
 void MaterialMaker::tell_others(const PlainMaterial& from) {
   const std::string_view color = model_.text_of(from.textures[std::size_t(PlainTexture::kBaseColor)]);
   for (const MtlTexture& texture : statements_of(from)) {
-    if (is_read(texture.statement) || (texture.statement == "map_ka" && texture.name == color)) continue;
+    if (is_read(texture) || (lower(texture.statement) == "map_ka" && texture.name == color)) continue;
     notes_.add("texture-ignored", mtl_place(model_.text_of(from.name), texture.statement),
                fmt::format("\"{}\" has no counterpart and was left out", readable_text(texture.name)));
   }
@@ -142,10 +146,9 @@ std::span<const MtlTexture> MaterialMaker::statements_of(const PlainMaterial& fr
 }
 
 const MtlTexture* MaterialMaker::statement_of(const PlainMaterial& from, PlainTexture what) const {
-  const auto& names = names_of(what).lower_case;
   const MtlTexture* last = nullptr;
   for (const MtlTexture& texture : statements_of(from))
-    if (std::ranges::find(names, texture.statement) != names.end()) last = &texture;
+    if (is_of(texture, what)) last = &texture;
   return last;
 }
 

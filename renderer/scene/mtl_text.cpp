@@ -124,7 +124,7 @@ class Reader {
 
   void add_texture(std::string_view statement, std::string_view line) {
     MtlTexture texture;
-    texture.statement = lower(statement);
+    texture.statement = std::string(statement);
     std::string_view rest = line;
     std::string ignored;
     while (rest.size() > 1 && rest.front() == '-' && std::isalpha(static_cast<unsigned char>(rest[1])) != 0) {

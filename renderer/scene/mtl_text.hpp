@@ -16,7 +16,7 @@ namespace furnace {
 inline constexpr std::size_t kMostMtlMaterials = 20'000, kMostMtlTextures = 100'000;
 
 struct MtlTexture {
-  std::string statement;  // in lower case, as "map_kd"
+  std::string statement;  // as written, "map_Kd"; its capitals mean nothing
   std::string name;       // of the file, as written
   // Of coordinates whose v points upwards: coordinate * scale + offset.
   glm::vec2 scale{1}, offset{0};

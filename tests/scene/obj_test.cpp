@@ -47,12 +47,12 @@ TEST(Mtl, EveryTextureThatIsLeftOutIsTold) {
       "newmtl m\nmap_Kd a.png\nmap_Ka a.png\nmap_Ks a.png\nmap_Pr b.png\nrefl -type sphere b.png\n"
       "newmtl other\nmap_Ns a.png\n");
   EXPECT_EQ(places(scene, "texture-ignored"),
-            (std::vector<std::string>{"/materials/m/map_ks", "/materials/m/map_pr", "/materials/m/refl"}));
+            (std::vector<std::string>{"/materials/m/map_Ks", "/materials/m/map_Pr", "/materials/m/refl"}));
   EXPECT_EQ(places(square_of("newmtl m\nmap_Kd a.png\nmap_Ka b.png\n"), "texture-ignored"),
-            (std::vector<std::string>{"/materials/m/map_ka"}));
+            (std::vector<std::string>{"/materials/m/map_Ka"}));
   EXPECT_EQ(
       places(square_of("newmtl m\nmap_Kd -mm 0.2 1 a.png\nmap_Ke -mm 0 1 b.png\n"), "texture-option-ignored"),
-      (std::vector<std::string>{"/materials/m/map_kd"}));
+      (std::vector<std::string>{"/materials/m/map_Kd"}));
 }
 
 TEST(Mtl, NumbersThatCannotBeReadCostNoMore) {
