@@ -117,6 +117,23 @@ Blob file_in(const ZipReader& archive, const std::string& path) {
   return *std::move(file);
 }
 
+bool is_same_name(std::string_view a, std::string_view b) {
+  const auto lower = [](unsigned char c) { return std::tolower(c); };
+  return std::ranges::equal(a, b, {}, lower, lower);
+}
+
+// Where an OBJ or a PLY says that its textures are is a folder of the machine that wrote it: the file of that name, wherever
+// it lies in the archive and however its name is capitalised; none if there are several.
+std::optional<Blob> find_anywhere(const ZipReader& archive, const std::string& uri) {
+  std::optional<std::string> found;
+  for (const std::string& name : archive.names()) {
+    if (!is_same_name(last_segment(name), last_segment(uri))) continue;
+    if (found) return std::nullopt;
+    found = name;
+  }
+  return found ? archive.read(*found) : std::nullopt;
+}
+
 // `path`: of the model in the archive; "": the only one. `named` comes before the archive's files, `find` after them.
 std::shared_ptr<const ModelBundle> read_archive(const Blob& file, std::string path,
                                                 const ImportLimits& limits, const NamedFiles& named,
@@ -130,7 +147,8 @@ std::shared_ptr<const ModelBundle> read_archive(const Blob& file, std::string pa
   return make_bundle(std::move(document), format, uris, [&](const std::string& uri) {
     if (std::optional<Blob> file = find_named(named, uri)) return file;
     std::optional<Blob> sibling = archive.read(fs::path(folder + uri).lexically_normal().string());
-    return sibling ? sibling : find(uri);
+    if (!sibling) sibling = find(uri);
+    return sibling || format == ModelFormat::kGltf ? sibling : find_anywhere(archive, uri);
   });
 }
 

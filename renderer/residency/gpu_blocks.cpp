@@ -1,5 +1,6 @@
 #include "renderer/residency/gpu_blocks.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace furnace::gpu {
@@ -80,10 +81,14 @@ LayerBlock pack_layers(const Material& material) {
 
 DrawBlock pack_draw(const glm::mat4& world_from_model, uint key, uint vertex_rows) {
   DrawBlock block{};
-  const glm::mat3 linear(world_from_model);
-  const float determinant = glm::determinant(linear);
+  glm::mat3 linear(world_from_model);
+  // Normals have no size: the model's, whose fourth power the shaders take, would leave single precision. By a power of
+  // two, so that no digit changes.
+  float largest = 0;
+  for (int i = 0; i < 9; ++i) largest = std::max(largest, std::abs(linear[i / 3][i % 3]));
+  if (largest > 0) linear *= std::ldexp(1.f, -std::ilogb(largest));
   block.world_from_model = world_from_model;
-  block.handedness = determinant < 0 ? -1.f : 1.f;
+  block.handedness = glm::determinant(linear) < 0 ? -1.f : 1.f;
   block.key = key;
   block.vertex_rows = vertex_rows;
   // The cofactor matrix is the inverse transpose times the determinant: finite for flattened nodes too.

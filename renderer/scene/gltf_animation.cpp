@@ -151,8 +151,22 @@ class Player {
     const Json::json_pointer pointer(target), parent = pointer.parent_pointer();
     if (!root_.contains(parent)) return "names " + parent.to_string() + ", which the document does not have";
     if (root_[parent].is_array() && !root_.contains(pointer)) return "names a weight that does not exist";
+    if (target.ends_with("/weights") && morph_targets_of(target) == 0)
+      return "moves the weights of what has no morph targets";
     const bool places = target.starts_with("/nodes/") && root_[parent].contains("matrix");
     return places && !target.ends_with("weights") ? "moves a node that is placed by a matrix" : "";
+  }
+
+  // Of the mesh whose weights, or whose node's weights, the target is.
+  std::size_t morph_targets_of(const std::string& target) const {
+    const Json::json_pointer owner = Json::json_pointer(target).parent_pointer();
+    if (!target.ends_with("/weights") || !root_.contains(owner)) return 0;
+    const auto index = std::size_t(std::stoul(owner.back()));
+    const std::optional<int> mesh =
+        target.starts_with("/nodes/") ? document_.nodes[index].mesh : std::optional(int(index));
+    if (!mesh) return 0;
+    const auto& primitives = document_.meshes[std::size_t(*mesh)].primitives;
+    return primitives.empty() ? 0 : primitives.front().targets.size();
   }
 
   Track read_track(const GltfAnimationChannel& channel, const AnimatedProperty& property) {
@@ -166,12 +180,13 @@ class Player {
         !fault.empty())
       fail(ErrorCode::kUnprocessable, fault, pointer + "/input");
     track.values = keyframes_.read(sampler.output, pointer + "/output");
-    check_values(track, sampler, property, pointer + "/output");
+    check_values(track, sampler, property, morph_targets_of(channel.target), pointer + "/output");
     return track;
   }
 
+  // `weights`: of the mesh, if these are what moves.
   void check_values(Track& track, const GltfAnimationSampler& sampler, const AnimatedProperty& property,
-                    const std::string& pointer) const {
+                    std::size_t weights, const std::string& pointer) const {
     const GltfAccessor& output = keyframes_.accessor(sampler.output);
     const int components = output.type < ElementType::kMat2 ? component_count(output.type) : 0;
     if (components != property.components)
@@ -179,8 +194,7 @@ class Player {
            "must be an accessor of " + std::to_string(property.components) + " components each", pointer);
     const std::size_t parts = track.interpolation == GltfInterpolation::kCubicSpline ? 3 : 1;
     const std::size_t values = track.times.size() * parts;
-    track.width = property.kind == PropertyKind::kWeights ? std::size_t(output.count) / values
-                                                          : std::size_t(property.components);
+    track.width = property.kind == PropertyKind::kWeights ? weights : std::size_t(property.components);
     if (track.width == 0 || track.values.size() != values * track.width) {
       fail(ErrorCode::kUnprocessable,
            "has " + std::to_string(output.count) + " elements for " + std::to_string(track.times.size()) +

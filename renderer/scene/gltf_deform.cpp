@@ -37,8 +37,14 @@ void add_tangent_displacement(std::vector<glm::vec4>& tangents, const std::vecto
   for (std::size_t i = 0; i < tangents.size(); ++i) tangents[i] = glm::vec4(directions[i], tangents[i].w);
 }
 
+// Normals and tangents that a mesh has not are made of what was displaced.
+void note_displaced_nothing(const std::string& semantic, const std::string& pointer, GltfNotes& notes) {
+  if (semantic == "NORMAL" || semantic == "TANGENT" || semantic.starts_with('_')) return;
+  notes.add("morph-attribute-ignored", pointer, "displaces what the mesh does not have, or what is not read");
+}
+
 void add_target(const GltfData& data, const GltfAttributes& target, double weight, const std::string& pointer,
-                Mesh& mesh) {
+                Mesh& mesh, GltfNotes& notes) {
   for (const auto& [semantic, accessor] : target) {
     const std::string at = pointer + "/" + semantic;
     if (semantic == "POSITION") {
@@ -53,6 +59,8 @@ void add_target(const GltfData& data, const GltfAttributes& target, double weigh
       add_displacement<2>(mesh.uvs[1], data.read_vectors<glm::vec2>(accessor), weight, at);
     } else if (semantic == "COLOR_0" && !mesh.colors.empty()) {
       add_displacement<4>(mesh.colors, data.read_vectors<glm::vec4>(accessor), weight, at);
+    } else {
+      note_displaced_nothing(semantic, at, notes);
     }
   }
 }
@@ -125,12 +133,13 @@ void turn_inside_out(Mesh& mesh) {
 }  // namespace
 
 void apply_morph_targets(const GltfDocument& document, const GltfData& data, const GltfPrimitiveRef& ref,
-                         std::span<const double> weights, Mesh& mesh) {
+                         std::span<const double> weights, Mesh& mesh, GltfNotes& notes) {
   const GltfPrimitive& primitive = primitive_of(document, ref);
   const std::size_t count = std::min(weights.size(), primitive.targets.size());
   for (std::size_t i = 0; i < count; ++i) {
     if (weights[i] == 0) continue;
-    add_target(data, primitive.targets[i], weights[i], ref.pointer() + "/targets/" + std::to_string(i), mesh);
+    add_target(data, primitive.targets[i], weights[i], ref.pointer() + "/targets/" + std::to_string(i), mesh,
+               notes);
   }
   // glTF 2.0, section 3.7.2.2: displaced colours are clamped.
   if (count > 0) {

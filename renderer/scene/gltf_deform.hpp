@@ -13,7 +13,7 @@ namespace furnace {
 // Adds every target whose weight is not 0 to the attributes that the primitive itself has. `weights` may be
 // shorter than the targets: the rest are 0. Errors: kUnprocessable for a displacement that is not finite.
 void apply_morph_targets(const GltfDocument& document, const GltfData& data, const GltfPrimitiveRef& ref,
-                         std::span<const double> weights, Mesh& mesh);
+                         std::span<const double> weights, Mesh& mesh, GltfNotes& notes);
 
 // Takes positions, normals and tangents to the space of `world_from_bind`, one matrix per joint. Weights are
 // normalised. When the joints mirror, windings and tangent signs are turned, since no instance transform is

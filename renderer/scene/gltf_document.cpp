@@ -4,6 +4,7 @@
 
 #include "renderer/scene/gltf_container.hpp"
 #include "renderer/scene/gltf_read.hpp"
+#include "renderer/scene/model_format.hpp"
 
 namespace furnace {
 
@@ -164,7 +165,20 @@ std::uint64_t span_bytes(std::uint64_t count, std::uint64_t stride, ElementType 
   return stride * (count - 1) + element_bytes(type, component) - padding;
 }
 
+// Whatever is no other format comes here.
+void check_is_gltf(std::string_view document) {
+  const std::string_view text = without_mark(document);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first != text.npos && (text[first] == '{' || text[first] == '[' || text.starts_with("glTF"))) return;
+  const std::string_view known = foreign_format(text);
+  fail(ErrorCode::kUnprocessable, "is no model that is read here (glTF, GLB, OBJ, STL or PLY)" +
+                                      (first == text.npos ? ": it is empty"
+                                       : known.empty()    ? ""
+                                                          : ": it is " + std::string(known)));
+}
+
 GltfJson parse_gltf(const Blob& bytes, const ImportLimits& limits) {
+  check_is_gltf(bytes.text());
   const GltfContainer container = open_gltf_container(bytes);
   if (container.json.size > static_cast<std::size_t>(limits.max_json_bytes)) {
     fail(ErrorCode::kTooLarge,
@@ -216,7 +230,9 @@ GltfDocument read_gltf_document(const GltfJson& json, const ImportLimits& limits
       read_all<GltfSkin>(root, "skins", [&](const JsonObject& object) { return read_skin(object, counts); });
   document.cameras = read_all<CameraNode>(root, "cameras", read_camera);
   if (const auto lights = root.extension("KHR_lights_punctual"))
-    document.lights = read_all<std::optional<Light>>(*lights, "lights", read_light);
+    document.lights = read_all<std::optional<Light>>(*lights, "lights", [&](const JsonObject& object) {
+      return read_light(object, document.light_notes);
+    });
   document.nodes =
       read_all<GltfNode>(root, "nodes", [&](const JsonObject& object) { return read_node(object, counts); });
   link_nodes(document.nodes, limits);

@@ -193,6 +193,7 @@ struct GltfDocument {
   std::vector<CameraNode> cameras;  // world_from_view is the node's to fill in
   // Position and direction are the node's to fill in; none of a kind that is not known.
   std::vector<std::optional<Light>> lights;
+  std::vector<Note> light_notes;
   std::vector<GltfNode> nodes;
   std::vector<GltfScene> scenes;
   std::vector<GltfAnimation> animations;

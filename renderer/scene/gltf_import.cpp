@@ -17,6 +17,7 @@
 #include "renderer/scene/gltf_pose.hpp"
 #include "renderer/scene/gltf_surface.hpp"
 #include "renderer/scene/mesh_needs.hpp"
+#include "renderer/scene/precision.hpp"
 
 namespace furnace {
 
@@ -47,6 +48,7 @@ class Importer {
   void add_cameras(const std::vector<int>& nodes);
   void add_lights(const std::vector<int>& nodes);
   void add_mesh(int node_index);
+  void note_instances(int node_index);
   const std::vector<glm::dmat4>& world_from_bind(int skin);
   std::optional<Instance> shared_primitive(const GltfPrimitiveRef& ref);
   std::optional<Instance> import_primitive(const GltfPrimitiveRef& ref, const std::vector<double>& weights,
@@ -102,6 +104,7 @@ Scene Importer::import(const ImportOptions& options) {
     hash.add(clip.time.seconds).add(std::int64_t{clip.time.loop});
   }
   scene_.hash = hash.finish();
+  if (auto note = precision_note(scene_)) notes_.add(note->code, note->pointer, note->message);
   scene_.notes = notes_.take();
   return std::move(scene_);
 }
@@ -114,6 +117,9 @@ void Importer::note_ignored_extensions() {
     notes_.add("extension-ignored", "/extensionsUsed/" + std::to_string(i),
                shortened(name) + " is not supported and was ignored");
   }
+  for (const auto& [name, pointer] : model_.undeclared)
+    notes_.add("extension-ignored", pointer,
+               shortened(name) + " is not supported, nor in extensionsUsed, and was ignored");
 }
 
 void Importer::play(const std::vector<AnimationClip>& clips) {
@@ -200,6 +206,7 @@ void Importer::add_cameras(const std::vector<int>& nodes) {
 
 // KHR_lights_punctual: a light shines along -Z of its node, whose scale does not count.
 void Importer::add_lights(const std::vector<int>& nodes) {
+  for (const Note& note : document_.light_notes) notes_.add(note.code, note.pointer, note.message);
   for (const int node_index : nodes) {
     const GltfNode& node = document_.nodes[static_cast<std::size_t>(node_index)];
     if (!node.light || hidden_[std::size_t(node_index)]) continue;
@@ -228,6 +235,10 @@ void Importer::add_mesh(int node_index) {
   const std::vector<glm::dmat4> places =
       instance_transforms(document_, data_, node_index, instances_, limits_.max_instances);
   if (!node.instances.empty()) instances_ += std::int64_t(places.size());
+  note_instances(node_index);
+  if (mesh.primitives.empty())
+    notes_.add("primitive-skipped", "/meshes/" + std::to_string(*node.mesh) + "/primitives",
+               "has none; nothing is drawn");
 
   constexpr std::int64_t kPartsOfNode = std::int64_t{1} << 32;
   for (int i = 0; i < static_cast<int>(mesh.primitives.size()); ++i) {
@@ -245,6 +256,10 @@ void Importer::add_mesh(int node_index) {
     instance->place = node_index * kPartsOfNode + i * static_cast<std::int64_t>(places.size());
     // glTF 2.0, section 3.7.3.3: only the joints place a skinned mesh.
     if (skinned) {
+      if (!node.instances.empty())
+        notes_.add("instances-ignored",
+                   "/nodes/" + std::to_string(node_index) + "/extensions/EXT_mesh_gpu_instancing",
+                   "its mesh has a skin, which alone places it; it was drawn once");
       add_instance(std::move(*instance), node_index, glm::dmat4(1));
     } else {
       for (const glm::dmat4& place : places) {
@@ -252,6 +267,18 @@ void Importer::add_mesh(int node_index) {
         ++instance->place;
       }
     }
+  }
+}
+
+// EXT_mesh_gpu_instancing: what begins with "_" is an application's own, but some draw by a colour of that name.
+void Importer::note_instances(int node_index) {
+  const GltfNode& node = document_.nodes[static_cast<std::size_t>(node_index)];
+  const std::string pointer = "/nodes/" + std::to_string(node_index) + "/extensions/EXT_mesh_gpu_instancing";
+  for (const auto& [semantic, accessor] : node.instances) {
+    const bool read = semantic == "TRANSLATION" || semantic == "ROTATION" || semantic == "SCALE";
+    if (read || (semantic.starts_with('_') && !semantic.starts_with("_COLOR"))) continue;
+    notes_.add("instance-attribute-ignored", pointer_below(pointer + "/attributes", semantic),
+               "is no attribute of instances that is read; it was left out");
   }
 }
 
@@ -289,7 +316,7 @@ std::optional<Instance> Importer::import_primitive(const GltfPrimitiveRef& ref,
     notes_.add("primitive-skipped", ref.pointer(), "has only degenerate lines or triangles and was left out");
     return std::nullopt;
   }
-  apply_morph_targets(document_, data_, ref, weights, vertices.mesh);
+  apply_morph_targets(document_, data_, ref, weights, vertices.mesh, notes_);
   if (joints) apply_skin(vertices, *joints, ref.pointer() + "/attributes", notes_);
 
   const int scene_material = materials_.scene_material(material);

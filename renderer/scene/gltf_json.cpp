@@ -105,8 +105,12 @@ JsonObject::JsonObject(const Json& value, std::string pointer)
   if (!value.is_object()) refuse_at(pointer_, "must be an object, " + type_of(value));
 }
 
+std::string pointer_below(std::string_view pointer, std::string_view key) {
+  return std::string(pointer) + "/" + escaped(key);
+}
+
 std::string JsonObject::pointer_to(std::string_view key) const {
-  return pointer_ + "/" + escaped(key);
+  return pointer_below(pointer_, key);
 }
 
 const Json* JsonObject::find(std::string_view key) const {

@@ -21,6 +21,9 @@ using Json = nlohmann::json;
 // memory. Errors: kUnprocessable for what is not JSON, kTooLarge for the bounds.
 Json parse_json(std::string_view text);
 
+// RFC 6901; a long key is cut off.
+std::string pointer_below(std::string_view pointer, std::string_view key);
+
 // Threads: one. Owns: its pointer; the value must outlive it.
 class JsonObject {
  public:

@@ -42,6 +42,7 @@ GltfModel::State::State(Decoder& decoder, const ModelBundle& bundle, const Impor
       times(times),
       json(parse_gltf(bundle.document, limits)),
       document(read_checked_gltf(json, limits)),
+      undeclared(undeclared_extensions(json.root)),
       data(document, bundle, limits, decoder, deadline) {}
 
 GltfVertices GltfModel::State::vertices_of(const GltfPrimitiveRef& ref, bool with_influences,

@@ -25,7 +25,8 @@ struct GltfModel::State {
   const Deadline& deadline;
   const Times times;
   const GltfJson json;
-  const GltfDocument document;  // at rest
+  const GltfDocument document;                          // at rest
+  const std::map<std::string, std::string> undeclared;  // as undeclared_extensions()
   const GltfData data;
   std::map<ContentHash, std::map<int, SharedMesh>> meshes;             // by source_of() and tangent_set_of()
   std::map<std::pair<GltfPrimitiveRef, bool>, GltfVertices> vertices;  // with influences or without

@@ -14,7 +14,12 @@ namespace furnace {
 class GltfNotes {
  public:
   void add(std::string code, std::string pointer, std::string message) {
-    if (notes_.size() >= kMaxNotes || !seen_.emplace(code, pointer).second) return;
+    if (notes_.size() > kMaxNotes || !seen_.emplace(code, pointer).second) return;
+    if (notes_.size() == kMaxNotes) {
+      code = "notes-omitted";
+      pointer.clear();
+      message = "there are more than " + std::to_string(kMaxNotes) + " notes; the others were left out";
+    }
     notes_.push_back({std::move(code), std::move(pointer), std::move(message)});
   }
   std::vector<Note> take() { return std::move(notes_); }

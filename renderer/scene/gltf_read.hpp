@@ -23,6 +23,10 @@ struct GltfJson {
 GltfJson parse_gltf(const Blob& bytes, const ImportLimits& limits);
 GltfDocument read_gltf_document(const GltfJson& json, const ImportLimits& limits);
 
+// gltf_extensions.cpp: what extension objects there are that are neither supported nor in extensionsUsed, each with the
+// place of the first.
+std::map<std::string, std::string> undeclared_extensions(const Json& root);
+
 // gltf_read_data.cpp
 GltfBuffer read_buffer(const JsonObject& json);
 GltfBufferView read_buffer_view(const JsonObject& json, const std::vector<GltfBuffer>& buffers);
@@ -48,7 +52,7 @@ std::optional<GltfDraco> read_draco(const JsonObject& primitive, const GltfAttri
 GltfMesh read_mesh(const JsonObject& json, const GltfCounts& counts);
 GltfSkin read_skin(const JsonObject& json, const GltfCounts& counts);
 CameraNode read_camera(const JsonObject& json);
-std::optional<Light> read_light(const JsonObject& json);
+std::optional<Light> read_light(const JsonObject& json, std::vector<Note>& notes);
 GltfNode read_node(const JsonObject& json, const GltfCounts& counts);
 // Sets every node's parent. Errors: two parents, a cycle, a depth over the limit.
 void link_nodes(std::vector<GltfNode>& nodes, const ImportLimits& limits);

@@ -84,9 +84,13 @@ void read_transform(const JsonObject& json, GltfNode& node) {
   if (matrix) {
     if (translation || rotation || scale) json.refuse("matrix", "excludes translation, rotation and scale");
     node.matrix = glm::make_mat4(matrix->data());
-    const glm::dmat4& m = *node.matrix;
-    if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1) {
-      json.refuse("matrix", "must be affine: its fourth row must be 0 0 0 1");
+    constexpr double kRounding = 1e-5;  // of exporters that multiply single-precision matrices
+    for (int column = 0; column < 4; ++column) {
+      double& last = (*node.matrix)[column][3];
+      const double exact = column == 3 ? 1 : 0;
+      if (std::abs(last - exact) > kRounding)
+        json.refuse("matrix", "must be affine: its fourth row must be 0 0 0 1");
+      last = exact;
     }
     return;
   }
@@ -152,8 +156,8 @@ CameraNode read_camera(const JsonObject& json) {
   return camera;
 }
 
-// KHR_lights_punctual.
-std::optional<Light> read_light(const JsonObject& json) {
+// KHR_lights_punctual. Some exporters write equal cones for a hard edge, and a range of 0 for none.
+std::optional<Light> read_light(const JsonObject& json, std::vector<Note>& notes) {
   Light light;
   light.name = json.string("name");
   const std::string type = json.required_string("type");
@@ -165,10 +169,18 @@ std::optional<Light> read_light(const JsonObject& json) {
     const JsonObject spot = json.required_object("spot");
     light.inner_cone_rad = spot.number("innerConeAngle", 0);
     light.outer_cone_rad = spot.number("outerConeAngle", kPi / 4);
-    if (!(light.outer_cone_rad > 0 && light.outer_cone_rad <= kPi / 2))
-      spot.refuse("outerConeAngle", "must be greater than 0 and at most pi / 2");
-    if (!(light.inner_cone_rad >= 0 && light.inner_cone_rad < light.outer_cone_rad))
-      spot.refuse("innerConeAngle", "must not be negative, and less than outerConeAngle");
+    if (!(light.outer_cone_rad > 0)) spot.refuse("outerConeAngle", "must be greater than 0");
+    if (light.outer_cone_rad > kPi / 2) {
+      light.outer_cone_rad = kPi / 2;
+      notes.push_back(
+          {"value-clamped", spot.pointer_to("outerConeAngle"), "is more than pi / 2, which was taken"});
+    }
+    if (!(light.inner_cone_rad >= 0)) spot.refuse("innerConeAngle", "must not be negative");
+    if (light.inner_cone_rad >= light.outer_cone_rad) {
+      light.inner_cone_rad = light.outer_cone_rad;
+      notes.push_back({"value-clamped", spot.pointer_to("innerConeAngle"),
+                       "is not less than outerConeAngle; the edge is hard"});
+    }
   } else if (type != "point") {
     return std::nullopt;
   }
@@ -182,7 +194,11 @@ std::optional<Light> read_light(const JsonObject& json) {
       light.intensity[c] = std::min(light.intensity[c] * (*color)[std::size_t(c)], kBrightest);
     }
   }
-  if (json.has("range")) light.range_m = positive(json, "range");
+  if (json.has("range") && json.required_number("range") == 0) {
+    notes.push_back({"value-clamped", json.pointer_to("range"), "is 0; the light has no limit"});
+  } else if (json.has("range")) {
+    light.range_m = positive(json, "range");
+  }
   return light;
 }
 

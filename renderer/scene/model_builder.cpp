@@ -28,7 +28,8 @@ bool is_direction(const glm::vec3& v) {
 }
 
 void drop_what_is_broken(Mesh& mesh) {
-  if (!std::ranges::all_of(mesh.normals, is_direction)) mesh.normals.clear();
+  const auto has_direction = [&](std::uint32_t index) { return is_direction(mesh.normals[index]); };
+  if (!mesh.normals.empty() && !std::ranges::all_of(mesh.indices, has_direction)) mesh.normals.clear();
   for (glm::vec3& normal : mesh.normals) normal = glm::vec3(glm::normalize(glm::dvec3(normal)));
   for (glm::vec2& uv : mesh.uvs[0])
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = {0, 0};

@@ -4,9 +4,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstring>
+#include <exception>
 #include <limits>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
 #include <utility>
@@ -22,7 +23,10 @@
 
 #include "renderer/base/error.hpp"
 #include "renderer/scene/model_builder.hpp"
+#include "renderer/scene/mtl_text.hpp"
 #include "renderer/scene/ply_decode.hpp"
+#include "renderer/scene/stl_decode.hpp"
+#include "renderer/scene/text_lines.hpp"
 
 namespace furnace {
 namespace {
@@ -53,77 +57,6 @@ class MemoryFiles : public Assimp::IOSystem {
   std::string document_name_;
   Bytes document_, materials_;
 };
-
-// Binary STL is fifty bytes a facet: read here, since the library takes the two conventions of colour for one. VisCAM: bit
-// 15 says that the facet has a colour, red in the upper bits. Magics, told by "COLOR=" in the head: bit 15 says that it has
-// that of the head, else its own, red in the lower bits. Normals are left out: the corners say what is true.
-void add_binary_stl(Bytes document, std::uint32_t facets, ModelBuilder& builder) {
-  constexpr std::size_t kHead = 84, kFacet = 50, kComment = 80, kLevels = 31;
-  constexpr std::string_view kColor = "COLOR=";
-  const std::string_view head(reinterpret_cast<const char*>(document.data()), kComment);
-  const std::size_t at = head.find(kColor);
-  const bool magics = at != head.npos && at + kColor.size() + 4 <= head.size();
-  glm::vec4 whole(1);
-  for (int i = 0; magics && i < 3; ++i)
-    whole[i] = float(std::uint8_t(head[at + kColor.size() + std::size_t(i)])) / 255;
-
-  Mesh mesh;
-  mesh.positions.resize(std::size_t{facets} * 3);
-  mesh.indices.resize(mesh.positions.size());
-  std::vector<glm::vec4> colors(mesh.positions.size(), whole);
-  bool colored = magics;
-  for (std::size_t facet = 0; facet < facets; ++facet) {
-    const std::byte* record = document.data() + kHead + kFacet * facet;
-    std::memcpy(&mesh.positions[3 * facet], record + sizeof(glm::vec3), 3 * sizeof(glm::vec3));
-    std::uint16_t bits = 0;
-    std::memcpy(&bits, record + 4 * sizeof(glm::vec3), sizeof bits);
-    const bool marked = (bits & 0x8000) != 0;
-    const bool own = marked != magics;
-    const auto level = [&](int shift) { return float((bits >> shift) & kLevels) / float(kLevels); };
-    colored = colored || own;
-    if (!own) continue;
-    const glm::vec4 color =
-        magics ? glm::vec4(level(0), level(5), level(10), 1) : glm::vec4(level(10), level(5), level(0), 1);
-    for (std::size_t k = 0; k < 3; ++k) colors[3 * facet + k] = color;
-  }
-  for (std::uint32_t i = 0; i < mesh.indices.size(); ++i) mesh.indices[i] = i;
-  if (colored) mesh.colors = std::move(colors);
-  builder.add_part(std::move(mesh), 0, true);
-}
-
-std::string_view take_word(std::string_view& text) {
-  constexpr std::string_view kSpace = " \t\r\n\v\f";
-  text.remove_prefix(std::min(text.find_first_not_of(kSpace), text.size()));
-  const std::string_view word = text.substr(0, text.find_first_of(kSpace));
-  text.remove_prefix(word.size());
-  return word;
-}
-
-float take_number(std::string_view& text) {
-  std::string_view word = take_word(text);
-  if (word.starts_with('+')) word.remove_prefix(1);
-  float value = 0;
-  const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (fault == std::errc::invalid_argument || end != word.data() + word.size())
-    fail(ErrorCode::kUnprocessable, "is not a readable STL file: a vertex needs three numbers");
-  return value;
-}
-
-// Read here, too: the library does not come back from one that is cut off. Only its corners count.
-void add_text_stl(std::string_view text, ModelBuilder& builder) {
-  Mesh mesh;
-  while (!text.empty()) {
-    const std::string_view word = take_word(text);
-    if (word == "facet" || word == "FACET") mesh.positions.resize(mesh.positions.size() / 3 * 3);
-    if (word != "vertex" && word != "VERTEX") continue;
-    const float x = take_number(text), y = take_number(text), z = take_number(text);
-    mesh.positions.emplace_back(x, y, z);
-  }
-  mesh.positions.resize(mesh.positions.size() / 3 * 3);
-  mesh.indices.resize(mesh.positions.size());
-  for (std::uint32_t i = 0; i < mesh.indices.size(); ++i) mesh.indices[i] = i;
-  builder.add_part(std::move(mesh), 0, true);
-}
 
 // Before anything walks along them: the library's own steps take indices on trust.
 void check_faces(const aiScene& scene, const PlainModelLimits& limits) {
@@ -156,6 +89,13 @@ glm::vec3 vector_of(const aiVector3D& v) {
   return {v.x, v.y, v.z};
 }
 
+// Some write colours of vertices as bytes.
+void bring_colors_to_one(std::span<glm::vec4> colors) {
+  const auto exceeds = [](const glm::vec4& c) { return std::max({c.r, c.g, c.b}) > 1; };
+  if (std::ranges::none_of(colors, exceeds)) return;
+  for (glm::vec4& c : colors) c = glm::vec4(glm::vec3(c) / 255.0f, c.a);
+}
+
 // The faces of one topology, with the whole mesh's vertices.
 Mesh mesh_of(const aiMesh& from, Topology topology) {
   const unsigned corners = unsigned(topology) + 1;
@@ -183,6 +123,7 @@ Mesh mesh_of(const aiMesh& from, Topology topology) {
       const aiColor4D& c = from.mColors[0][i];
       mesh.colors.emplace_back(c.r, c.g, c.b, c.a);
     }
+  bring_colors_to_one(mesh.colors);
   return mesh;
 }
 
@@ -202,20 +143,12 @@ glm::vec3 color_of(const aiMaterial& from, const char* key, float high, const gl
 constexpr float kMostEmission = 1e6f, kMostExponent = 1e6f;
 
 void add_textures(const aiMaterial& from, ModelBuilder& builder, PlainMaterial& to) {
-  static constexpr std::array<std::pair<aiTextureType, PlainTexture>, 13> kUses = {{
+  static constexpr std::array<std::pair<aiTextureType, PlainTexture>, 5> kUses = {{
       {aiTextureType_DIFFUSE, PlainTexture::kBaseColor},
       {aiTextureType_EMISSIVE, PlainTexture::kEmissive},
       {aiTextureType_NORMALS, PlainTexture::kNormal},
       {aiTextureType_HEIGHT, PlainTexture::kBump},
       {aiTextureType_OPACITY, PlainTexture::kAlpha},
-      {aiTextureType_SPECULAR, PlainTexture::kUnused},
-      {aiTextureType_SHININESS, PlainTexture::kUnused},
-      {aiTextureType_DISPLACEMENT, PlainTexture::kUnused},
-      {aiTextureType_REFLECTION, PlainTexture::kUnused},
-      {aiTextureType_DIFFUSE_ROUGHNESS, PlainTexture::kUnused},
-      {aiTextureType_METALNESS, PlainTexture::kUnused},
-      {aiTextureType_SHEEN, PlainTexture::kUnused},
-      {aiTextureType_CLEARCOAT, PlainTexture::kUnused},
   }};
   for (const auto& [type, use] : kUses) {
     aiString name;
@@ -223,9 +156,6 @@ void add_textures(const aiMaterial& from, ModelBuilder& builder, PlainMaterial& 
     if (range.size == 0 && from.GetTexture(type, 0, &name) == AI_SUCCESS)
       range = builder.add_text({name.C_Str(), name.length});
   }
-  int mode = aiTextureMapMode_Wrap;
-  if (from.Get(AI_MATKEY_MAPPINGMODE_U_DIFFUSE(0), mode) == AI_SUCCESS && mode == aiTextureMapMode_Clamp)
-    to.clamps = 1;
 }
 
 void add_material(const aiMaterial& from, bool stated, ModelBuilder& builder) {
@@ -270,33 +200,76 @@ std::string_view from_first_material(std::string_view text) {
   return {};
 }
 
-void add_obj(Bytes document, std::string_view materials, ModelBuilder& builder) {
+// Whether a line begins with f, l or p: without, the library's message is of normals.
+bool has_elements(std::string_view obj) {
+  while (!obj.empty()) {
+    std::string_view line = take_line(obj);
+    const std::string_view word = take_word(line);
+    if (word == "f" || word == "l" || word == "p" || word == "fo") return true;
+  }
+  return false;
+}
+
+// "v x y z", then w or three of colour, or both.
+void add_vertices(std::string_view obj, ModelBuilder& builder) {
+  constexpr std::size_t kMostNumbers = 7;
+  Mesh mesh;
+  mesh.topology = Topology::kPoints;
+  bool colored = true;
+  while (!obj.empty()) {
+    std::string_view line = take_line(obj);
+    if (take_word(line) != "v") continue;
+    std::array<float, kMostNumbers> numbers{};
+    std::size_t count = 0;
+    while (!line.empty() && count < kMostNumbers) {
+      const std::string_view word = take_word(line);
+      const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), numbers[count]);
+      if (fault != std::errc{} || end != word.data() + word.size()) break;
+      ++count;
+    }
+    if (count < 3)
+      fail_unreadable(ModelFormat::kObj,
+                      fmt::format("vertex {} has {} of its 3 numbers", mesh.positions.size() + 1, count));
+    mesh.indices.push_back(std::uint32_t(mesh.positions.size()));
+    mesh.positions.emplace_back(numbers[0], numbers[1], numbers[2]);
+    colored = colored && count >= 6;
+    mesh.colors.emplace_back(numbers[count - 3], numbers[count - 2], numbers[count - 1], 1);
+  }
+  if (!colored) mesh.colors.clear();
+  bring_colors_to_one(mesh.colors);
+  builder.add_material(builder.plain_material());
+  builder.add_part(std::move(mesh), 0, false);
+}
+
+[[noreturn]] void fail_as(const Assimp::Importer& importer) {
+  if (importer.GetException()) std::rethrow_exception(importer.GetException());
+  fail_unreadable(ModelFormat::kObj, importer.GetErrorString());
+}
+
+void add_obj(Bytes bytes, std::string_view materials, ModelBuilder& builder) {
   const std::string name = "model.obj";  // by whose ending the library takes its reader
+  const std::string_view text = without_mark({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  const Bytes document = bytes.last(text.size());
+  if (!has_elements(text)) {
+    if (has_free_forms(text))
+      fail_unreadable(ModelFormat::kObj, "it has free-form curves or surfaces alone, which are not drawn");
+    return add_vertices(text, builder);
+  }
   try {
     Assimp::Importer importer;
     importer.SetIOHandler(new MemoryFiles(
         name, document, std::as_bytes(std::span(from_first_material(materials)))));  // owns it
     const aiScene* scene = importer.ReadFile(name, 0);
-    if (scene == nullptr) fail_unreadable(ModelFormat::kObj, importer.GetErrorString());
+    if (scene == nullptr) fail_as(importer);
     check_faces(*scene, builder.limits());
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-    if (scene == nullptr) fail_unreadable(ModelFormat::kObj, importer.GetErrorString());
+    if (scene == nullptr) fail_as(importer);
     check_faces(*scene, builder.limits());
     add_scene(*scene, builder);
+  } catch (const std::bad_alloc&) {
+    throw;  // the process that decodes says so
   } catch (const std::exception& error) {
     fail_unreadable(ModelFormat::kObj, error.what());
-  }
-}
-
-void add_stl(Bytes document, ModelBuilder& builder) {
-  const auto facets = binary_stl_facets(document);
-  if (facets && *facets > builder.limits().max_elements)
-    fail_too_many(builder.limits().max_elements, "triangles");
-  builder.add_material(builder.plain_material());
-  if (facets) {
-    add_binary_stl(document, *facets, builder);
-  } else {
-    add_text_stl({reinterpret_cast<const char*>(document.data()), document.size()}, builder);
   }
 }
 

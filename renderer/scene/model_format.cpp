@@ -7,53 +7,25 @@
 #include <set>
 #include <utility>
 
+#include "renderer/scene/mtl_text.hpp"
+#include "renderer/scene/text_lines.hpp"
+
 namespace furnace {
 namespace {
-
-constexpr std::string_view kSpace = " \t\r\v\f";
-constexpr std::size_t kStlHeadBytes = 84, kStlFacetBytes = 50;
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(kSpace);
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
-}
-
-// Takes the next line off `text`; ends are \n, \r\n or \r.
-std::string_view take_line(std::string_view& text) {
-  const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
-  const std::string_view line = text.substr(0, end);
-  text.remove_prefix(std::min(end + 1, text.size()));
-  return trimmed(line);
-}
-
-std::string_view take_word(std::string_view& line) {
-  const std::size_t end = std::min(line.find_first_of(kSpace), line.size());
-  const std::string_view word = line.substr(0, end);
-  line = trimmed(line.substr(end));
-  return word;
-}
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return out;
-}
 
 bool is_number(std::string_view word) {
   return !word.empty() && word.find_first_not_of("+-.0123456789eE") == word.npos;
 }
 
 std::string_view text_of(std::span<const std::byte> bytes) {
-  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-  return text;
+  return without_mark({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 // A statement of OBJ that no other text file begins with: the letter and as many numbers as it needs, or a name.
 bool is_obj_statement(std::string_view line) {
-  static constexpr std::array<std::string_view, 7> kNamed = {"mtllib", "usemtl", "o",     "g",
-                                                             "s",      "maplib", "usemap"};
+  static constexpr std::array<std::string_view, 14> kNamed = {"mtllib", "usemtl", "o",    "g",     "s",
+                                                              "maplib", "usemap", "deg",  "curv",  "curv2",
+                                                              "surf",   "parm",   "trim", "cstype"};
   static constexpr std::array<std::string_view, 7> kNumbered = {"v", "vn", "vt", "vp", "f", "l", "p"};
   const std::string_view word = take_word(line);
   if (std::ranges::find(kNamed, word) != kNamed.end()) return true;
@@ -75,14 +47,6 @@ bool is_obj(std::string_view text) {
   return statements > 0;
 }
 
-bool is_text_stl(std::string_view text) {
-  constexpr std::size_t kSeen = 4096;
-  const std::string head = lower(text.substr(0, kSeen));
-  const std::size_t first = head.find_first_not_of(" \t\r\n");
-  if (first == head.npos || head.compare(first, 5, "solid") != 0) return false;
-  return head.find("facet") != head.npos || head.find("endsolid") != head.npos;
-}
-
 // Threads: one. Owns: names, each once.
 class Names {
  public:
@@ -97,21 +61,6 @@ class Names {
   std::set<std::string> seen_;
   std::vector<std::string> names_;
 };
-
-// What follows the options of a texture statement: the rest of the line, since names may have spaces.
-std::string_view without_options(std::string_view line) {
-  while (line.size() > 1 && line.front() == '-' && std::isalpha(static_cast<unsigned char>(line[1])) != 0) {
-    const std::string option = lower(take_word(line));
-    if (option == "-o" || option == "-s" || option == "-t") {
-      std::string_view rest = line;
-      for (int i = 0; i < 3 && is_number(take_word(rest)); ++i) line = rest;
-    } else {
-      take_word(line);
-      if (option == "-mm") take_word(line);
-    }
-  }
-  return line;
-}
 
 // Of the character of UTF-8 (RFC 3629) that the text begins with; 0: it is none, or a control character.
 std::size_t character_bytes(std::string_view text) {
@@ -131,6 +80,11 @@ std::size_t character_bytes(std::string_view text) {
 
 }  // namespace
 
+std::string_view without_mark(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return text;
+}
+
 std::string_view model_format_name(ModelFormat format) {
   static constexpr std::array<std::string_view, 4> kNames = {"glTF", "OBJ", "STL", "PLY"};
   return kNames[std::size_t(format)];
@@ -142,6 +96,15 @@ std::optional<std::uint32_t> binary_stl_facets(std::span<const std::byte> docume
   std::memcpy(&facets, document.data() + kStlHeadBytes - sizeof facets, sizeof facets);
   if (document.size() != kStlHeadBytes + kStlFacetBytes * std::size_t{facets}) return std::nullopt;
   return facets;
+}
+
+bool is_text_stl(std::string_view document) {
+  const std::string_view text = without_mark(document);
+  constexpr std::size_t kSeen = 4096;
+  const std::string head = lower(text.substr(0, kSeen));
+  const std::size_t first = head.find_first_not_of(" \t\r\n");
+  if (first == head.npos || head.compare(first, 5, "solid") != 0) return false;
+  return head.find("facet") != head.npos || head.find("endsolid") != head.npos;
 }
 
 ModelFormat model_format(std::span<const std::byte> document, std::string_view name) {
@@ -156,6 +119,33 @@ ModelFormat model_format(std::span<const std::byte> document, std::string_view n
   if (ending == ".obj") return ModelFormat::kObj;
   if (ending == ".stl") return ModelFormat::kStl;
   return ending == ".ply" ? ModelFormat::kPly : ModelFormat::kGltf;
+}
+
+std::string_view foreign_format(std::string_view document) {
+  struct Mark {
+    std::string_view begin, name;
+  };
+  static constexpr std::array<Mark, 16> kMarks = {{
+      {"Kaydara FBX", "an FBX file"},
+      {"; FBX", "an FBX file"},
+      {"PXR-USDC", "a USD file"},
+      {"#usda", "a USD file"},
+      {"BLENDER", "a Blender file"},
+      {"<?xml", "an XML file"},
+      {"<COLLADA", "a COLLADA file"},
+      {"<!DOCTYPE", "a web page"},
+      {"<html", "a web page"},
+      {"version https://git-lfs", "a pointer of Git LFS, not the file that it stands for"},
+      {"\x1f\x8b", "a gzip file; unpack it"},
+      {"Rar!", "a RAR archive; unpack it"},
+      {"7z\xbc\xaf", "a 7z archive; unpack it"},
+      {"\xff\xfe", "text in UTF-16, where UTF-8 is asked for"},
+      {"\xfe\xff", "text in UTF-16, where UTF-8 is asked for"},
+      {"OFF", "an OFF file"},
+  }};
+  const auto found =
+      std::ranges::find_if(kMarks, [&](const Mark& mark) { return document.starts_with(mark.begin); });
+  return found == kMarks.end() ? std::string_view() : found->name;
 }
 
 bool is_model_name(std::string_view name) {
@@ -195,29 +185,29 @@ std::optional<std::string> sibling_name(std::string_view written) {
 }
 
 std::vector<std::string> material_libraries(std::string_view obj) {
-  constexpr std::string_view kStatement = "mtllib";
   Names names;
-  // Files are large and the statement is rare: found as text first.
-  for (std::size_t at = obj.find(kStatement); at != obj.npos && !names.full();
-       at = obj.find(kStatement, at + 1)) {
-    const std::size_t before = at == 0 ? obj.npos : obj.find_last_not_of(" \t", at - 1);
-    if (before != obj.npos && obj[before] != '\n' && obj[before] != '\r') continue;
-    std::string_view rest = obj.substr(at);
-    std::string_view line = take_line(rest);
-    if (take_word(line) == kStatement) names.add(line);
-  }
+  each_statement(without_mark(obj), "mtllib", [&](std::string_view line) {
+    // Several names may stand in one line, and one may have spaces.
+    constexpr std::string_view kEnding = ".mtl";
+    const std::string text = lower(line);
+    for (std::size_t at = text.find(kEnding); at != text.npos; at = text.find(kEnding, at + 1)) {
+      const std::size_t end = at + kEnding.size();
+      if (end >= text.size() || kLineSpace.find(text[end]) == kLineSpace.npos) continue;
+      const std::size_t taken = text.size() - line.size();
+      names.add(line.substr(0, end - taken));
+      line.remove_prefix(end - taken);
+    }
+    names.add(line);
+    return !names.full();
+  });
   return names.take();
 }
 
 std::vector<std::string> texture_names(std::string_view mtl) {
-  static constexpr std::array<std::string_view, 5> kOthers = {"bump", "norm", "disp", "decal", "refl"};
+  GltfNotes told_elsewhere;
   Names names;
-  while (!mtl.empty() && !names.full()) {
-    std::string_view line = take_line(mtl);
-    const std::string word = lower(take_word(line));
-    if (word.starts_with("map_") || std::ranges::find(kOthers, word) != kOthers.end())
-      names.add(without_options(line));
-  }
+  for (const auto& [material, textures] : read_mtl(without_mark(mtl), told_elsewhere).materials)
+    for (const MtlTexture& texture : textures) names.add(texture.name);
   return names.take();
 }
 

@@ -11,7 +11,9 @@
 #include "renderer/scene/gltf_notes.hpp"
 #include "renderer/scene/mesh_needs.hpp"
 #include "renderer/scene/model_material.hpp"
+#include "renderer/scene/precision.hpp"
 #include "renderer/scene/tangents.hpp"
+#include "renderer/scene/text_lines.hpp"
 
 namespace furnace {
 namespace {
@@ -26,21 +28,50 @@ PlainModelLimits limits_of(const ImportLimits& limits) {
   return out;
 }
 
-// All MTL files that are there, in the document's order, as one text; the others are told.
-std::string materials_of(const ModelBundle& bundle, GltfNotes& notes) {
+// All MTL files that are there, in the document's order, as one; the others are told, and materials that none of them has.
+MtlText materials_of(const ModelBundle& bundle, GltfNotes& notes) {
+  if (bundle.format != ModelFormat::kObj) return {};
   std::string text;
-  if (bundle.format != ModelFormat::kObj) return text;
-  for (const std::string& name : material_libraries(bundle.document.text())) {
+  bool complete = true;
+  const std::string_view document = without_mark(bundle.document.text());
+  for (const std::string& name : material_libraries(document)) {
     const auto file = bundle.siblings.find(name);
     if (file == bundle.siblings.end()) {
+      complete = false;
       notes.add("materials-missing", "/mtllib/" + name,
                 fmt::format("there is no file \"{}\" beside the model; its materials are grey", name));
     } else {
-      text += file->second.text();
+      text += without_mark(file->second.text());
       text += '\n';
     }
   }
-  return text;
+  MtlText mtl = read_mtl(text, notes);
+  for (const std::string& name : complete ? named_materials(document) : std::vector<std::string>())
+    if (!mtl.materials.contains(name))
+      notes.add("material-missing", "/usemtl/" + readable_text(name), "is in no MTL file; it is grey");
+  return mtl;
+}
+
+// 3D Gaussian splatting (Kerbl et al. 2023) keeps its ellipsoids in a PLY.
+bool has_splats(std::string_view ply) {
+  const std::string_view header = ply.substr(0, ply.find("end_header"));
+  return header.find(" f_dc_0") != header.npos && header.find(" scale_0") != header.npos;
+}
+
+// What the readers have no way to tell.
+void tell_omissions(const ModelBundle& bundle, GltfNotes& notes) {
+  const std::string_view document = bundle.document.text();
+  if (bundle.format == ModelFormat::kObj && has_free_forms(document))
+    notes.add("geometry-ignored", "", "has free-form curves or surfaces, which were left out");
+  if (bundle.format == ModelFormat::kPly && has_splats(document))
+    notes.add("geometry-ignored", "", "has splats, which were drawn as points");
+  constexpr std::size_t kEndSeen = 4096;
+  const bool is_text =
+      bundle.format == ModelFormat::kStl && !binary_stl_facets(bundle.document) && is_text_stl(document);
+  if (is_text &&
+      lower(document.substr(document.size() - std::min(kEndSeen, document.size()))).find("endsolid") ==
+          std::string::npos)
+    notes.add("file-incomplete", "", "has no \"endsolid\" at its end; facets may be missing");
 }
 
 template <class Value>
@@ -94,11 +125,10 @@ UpAxis up_axis_of(ModelFormat format, std::optional<UpAxis> up, GltfNotes& notes
   return UpAxis::kZ;
 }
 
-PlainModel decoded(const ModelBundle& bundle, const ImportLimits& limits, Decoder& decoder,
-                   const Deadline& deadline, GltfNotes& notes) {
+PlainModel decoded(const ModelBundle& bundle, const MtlText& mtl, const ImportLimits& limits,
+                   Decoder& decoder, const Deadline& deadline) {
   try {
-    return decoder.model(bundle.document, materials_of(bundle, notes), bundle.format, limits_of(limits),
-                         deadline);
+    return decoder.model(bundle.document, mtl.text, bundle.format, limits_of(limits), deadline);
   } catch (Error& error) {
     if (error.pointer.empty()) error.pointer = kModelPlace;
     throw;
@@ -113,11 +143,13 @@ Scene import_model(const ModelBundle& bundle, std::optional<UpAxis> up, const Im
   Scene scene;
   const UpAxis axis = up_axis_of(bundle.format, up, notes);
   scene.hash = HashBuilder().add("model").add(bundle.hash).add(std::int64_t(axis)).finish();
-  const PlainModel model = decoded(bundle, limits, decoder, deadline, notes);
+  const MtlText mtl = materials_of(bundle, notes);
+  const PlainModel model = decoded(bundle, mtl, limits, decoder, deadline);
   check_deadline(deadline, "import");
+  tell_omissions(bundle, notes);
   tell_normals(model, notes);
 
-  MaterialMaker materials(model, bundle, decoder, deadline, scene, notes);
+  MaterialMaker materials(model, mtl, bundle, decoder, deadline, scene, notes);
   std::size_t vertex = 0, index = 0;
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     const PlainPart& part = model.parts[i];
@@ -140,6 +172,7 @@ Scene import_model(const ModelBundle& bundle, std::optional<UpAxis> up, const Im
     scene.meshes.push_back(std::make_shared<const Mesh>(std::move(mesh)));
     scene.instances.push_back(std::move(instance));
   }
+  if (auto note = precision_note(scene)) notes.add(note->code, note->pointer, note->message);
   scene.notes = notes.take();
   return scene;
 }

@@ -7,6 +7,7 @@
 
 #include "renderer/base/error.hpp"
 #include "renderer/image/color.hpp"
+#include "renderer/scene/text_lines.hpp"
 
 namespace furnace {
 namespace {
@@ -14,10 +15,31 @@ namespace {
 constexpr const char* kModelPlace = "/scene/model";
 constexpr glm::vec3 kUnstatedDiffuse(0.6f);
 
-const char* statement_of(PlainTexture what) {
-  static constexpr std::array<const char*, kPlainTextures> kNames = {"map_Kd",   "map_Ke", "norm",
-                                                                     "map_Bump", "map_d",  "other"};
+// What MTL files call it, the usual name first.
+struct TextureNames {
+  const char* usual;
+  std::array<std::string_view, 3> lower_case;
+};
+
+const TextureNames& names_of(PlainTexture what) {
+  static constexpr std::array<TextureNames, kPlainTextures> kNames = {
+      {{"map_Kd", {"map_kd"}},
+       {"map_Ke", {"map_ke", "map_emissive"}},
+       {"norm", {"norm", "map_kn", "map_norm"}},
+       {"map_Bump", {"map_bump", "bump"}},
+       {"map_d", {"map_d", "map_opacity"}}}};
   return kNames[std::size_t(what)];
+}
+
+bool is_of(const MtlTexture& texture, PlainTexture what) {
+  const auto& names = names_of(what).lower_case;
+  return std::ranges::find(names, lower(texture.statement)) != names.end();
+}
+
+bool is_read(const MtlTexture& texture) {
+  for (std::size_t i = 0; i < kPlainTextures; ++i)
+    if (is_of(texture, PlainTexture(i))) return true;
+  return false;
 }
 
 float linear(float encoded) {
@@ -26,17 +48,6 @@ float linear(float encoded) {
 
 glm::vec3 linear(const glm::vec3& encoded) {
   return {linear(encoded.r), linear(encoded.g), linear(encoded.b)};
-}
-
-// A step of a JSON pointer (RFC 6901).
-std::string escaped(std::string_view name) {
-  std::string out;
-  for (const char c : name) {
-    if (c == '~') out += "~0";
-    if (c == '/') out += "~1";
-    if (c != '~' && c != '/') out += c;
-  }
-  return out;
 }
 
 float roughness_of(float exponent) {
@@ -103,17 +114,42 @@ Material MaterialMaker::made_of(const PlainMaterial& from, bool colored) {
     tell_unused(from, PlainTexture::kAlpha, "is another file than map_Kd, whose alpha is all that is read");
 
   add_texture(from, PlainTexture::kNormal, TextureUse::kNormal, to);
-  if (!to.texture(TextureUse::kNormal)) add_texture(from, PlainTexture::kBump, TextureUse::kNormal, to);
-  tell_unused(from, PlainTexture::kUnused, "has no counterpart and was left out");
+  if (!to.texture(TextureUse::kNormal)) {
+    add_texture(from, PlainTexture::kBump, TextureUse::kNormal, to);
+  } else {
+    tell_unused(from, PlainTexture::kBump, "stands beside a normal map and was left out");
+  }
+  tell_others(from);
   return to;
 }
 
 void MaterialMaker::tell_unused(const PlainMaterial& from, PlainTexture what, const char* why) {
   const std::string_view name = model_.text_of(from.textures[std::size_t(what)]);
   if (name.empty()) return;
-  notes_.add("texture-ignored",
-             "/materials/" + escaped(readable_text(model_.text_of(from.name))) + "/" + statement_of(what),
+  notes_.add("texture-ignored", mtl_place(model_.text_of(from.name), names_of(what).usual),
              fmt::format("\"{}\" {}", readable_text(name), why));
+}
+
+// A map_Ka that is the map_Kd says nothing more: exporters write both.
+void MaterialMaker::tell_others(const PlainMaterial& from) {
+  const std::string_view color = model_.text_of(from.textures[std::size_t(PlainTexture::kBaseColor)]);
+  for (const MtlTexture& texture : statements_of(from)) {
+    if (is_read(texture) || (lower(texture.statement) == "map_ka" && texture.name == color)) continue;
+    notes_.add("texture-ignored", mtl_place(model_.text_of(from.name), texture.statement),
+               fmt::format("\"{}\" has no counterpart and was left out", readable_text(texture.name)));
+  }
+}
+
+std::span<const MtlTexture> MaterialMaker::statements_of(const PlainMaterial& from) const {
+  const auto found = mtl_.materials.find(std::string(model_.text_of(from.name)));
+  return found == mtl_.materials.end() ? std::span<const MtlTexture>() : found->second;
+}
+
+const MtlTexture* MaterialMaker::statement_of(const PlainMaterial& from, PlainTexture what) const {
+  const MtlTexture* last = nullptr;
+  for (const MtlTexture& texture : statements_of(from))
+    if (is_of(texture, what)) last = &texture;
+  return last;
 }
 
 void MaterialMaker::add_texture(const PlainMaterial& from, PlainTexture what, TextureUse use, Material& to) {
@@ -136,7 +172,12 @@ void MaterialMaker::add_texture(const PlainMaterial& from, PlainTexture what, Te
   }
   TextureSlot slot;
   slot.image = *image;
-  if (from.clamps != 0) slot.sampler.wrap_u = slot.sampler.wrap_v = Wrap::kClampToEdge;
+  if (const MtlTexture* stated = statement_of(from, what)) {
+    if (stated->clamps) slot.sampler.wrap_u = slot.sampler.wrap_v = Wrap::kClampToEdge;
+    slot.transform.scale = stated->scale;
+    // v points downwards here.
+    slot.transform.offset = {stated->offset.x, 1 - stated->scale.y - stated->offset.y};
+  }
   to.texture(use) = slot;
 }
 
@@ -146,8 +187,7 @@ std::optional<int> MaterialMaker::image_of(const PlainMaterial& from, PlainTextu
   const std::optional<std::string> name = sibling_name(written);
   const auto file = name ? bundle_.siblings.find(*name) : bundle_.siblings.end();
   if (file == bundle_.siblings.end()) {
-    notes_.add("image-missing",
-               "/materials/" + escaped(readable_text(model_.text_of(from.name))) + "/" + statement_of(what),
+    notes_.add("image-missing", mtl_place(model_.text_of(from.name), names_of(what).usual),
                fmt::format("there is no file \"{}\" beside the model; the slot stays empty",
                            readable_text(written)));
     return std::nullopt;

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <map>
+#include <span>
 #include <string>
 
 #include "renderer/base/deadline.hpp"
 #include "renderer/scene/decoder.hpp"
 #include "renderer/scene/gltf_import.hpp"
 #include "renderer/scene/gltf_notes.hpp"
+#include "renderer/scene/mtl_text.hpp"
 #include "renderer/scene/plain_model.hpp"
 #include "renderer/scene/scene.hpp"
 
@@ -16,13 +18,15 @@ namespace furnace {
 // Kd and Ke are sRGB as displayed, Ke linear above 1; a map_Kd stands in place of Kd. d below 1 blends, as does a map_d
 // that is the map_Kd. Ns is the exponent n of Blinn and Phong, with roughness alpha^2 = 2 / (n + 2) (Walter et al. 2007,
 // "Microfacet Models for Refraction through Rough Surfaces"); Pr, Pm, Pc and Pcr are taken as they are. norm is a normal
-// map, map_Bump is one if it looks like one. Everything else is without effect.
+// map, map_Bump is one if it looks like one. -o, -s and -clamp place a texture. Everything else is without effect.
 // Threads: one. Owns: nothing; all it names outlives it.
 class MaterialMaker {
  public:
-  MaterialMaker(const PlainModel& model, const ModelBundle& bundle, Decoder& decoder,
+  // `mtl` is what the model's materials were read from; empty where they are not of an MTL file.
+  MaterialMaker(const PlainModel& model, const MtlText& mtl, const ModelBundle& bundle, Decoder& decoder,
                 const Deadline& deadline, Scene& scene, GltfNotes& notes)
       : model_(model),
+        mtl_(mtl),
         bundle_(bundle),
         decoder_(decoder),
         deadline_(deadline),
@@ -37,8 +41,13 @@ class MaterialMaker {
   void add_texture(const PlainMaterial& from, PlainTexture what, TextureUse use, Material& to);
   std::optional<int> image_of(const PlainMaterial& from, PlainTexture what);
   void tell_unused(const PlainMaterial& from, PlainTexture what, const char* why);
+  void tell_others(const PlainMaterial& from);
+  std::span<const MtlTexture> statements_of(const PlainMaterial& from) const;
+  // The last one of that use; null: there is none.
+  const MtlTexture* statement_of(const PlainMaterial& from, PlainTexture what) const;
 
   const PlainModel& model_;
+  const MtlText& mtl_;
   const ModelBundle& bundle_;
   Decoder& decoder_;
   const Deadline& deadline_;

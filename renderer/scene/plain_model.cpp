@@ -30,7 +30,7 @@ bool is_text(const TextRange& range, const PlainModel& model) {
 }
 
 bool is_material(const PlainMaterial& m, const PlainModel& model) {
-  bool sound = is_text(m.name, model) && m.clamps <= 1;
+  bool sound = is_text(m.name, model);
   for (int i = 0; i < 3; ++i) {
     sound = sound && is_share(m.diffuse[i]) && std::isfinite(m.emission[i]) && m.emission[i] >= 0;
   }

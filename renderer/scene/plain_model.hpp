@@ -26,8 +26,8 @@ struct TextRange {
   std::uint32_t first = 0, size = 0;  // of PlainModel::text, bytes
 };
 
-enum class PlainTexture { kBaseColor, kEmissive, kNormal, kBump, kAlpha, kUnused };
-inline constexpr std::size_t kPlainTextures = 6;
+enum class PlainTexture { kBaseColor, kEmissive, kNormal, kBump, kAlpha };
+inline constexpr std::size_t kPlainTextures = 5;
 
 // Numbers as the file has them: what they mean to a renderer is model_import's.
 struct PlainMaterial {
@@ -40,9 +40,7 @@ struct PlainMaterial {
   float perceptual_roughness = -1;  // Pr, [0,1]; below 0: not stated
   float clearcoat = 0;              // Pc, [0,1]
   float clearcoat_perceptual_roughness = 0;
-  std::uint32_t clamps = 0;  // 1: textures do not repeat
-  // Names as written, empty: none. kUnused: one of those that nothing is made of.
-  std::array<TextRange, kPlainTextures> textures;
+  std::array<TextRange, kPlainTextures> textures;  // names as written, empty: none
 };
 
 // A run of vertices and of the indices into them (from 0 at first_vertex), of one topology and material.

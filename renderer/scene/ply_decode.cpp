@@ -266,9 +266,12 @@ void PlyReader::add_part(const Corners& corners, Topology topology, std::uint32_
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
       fail_ply(fmt::format("vertex {} has a position that is not finite", vertex));
   }
+  // Where corners have nothing of their own and are as many as the vertices, these do as they are.
+  const bool shared =
+      corners.uvs.empty() && corners.colors.empty() && mesh.indices.size() >= vertices_.positions.size();
   const auto each = [&](const auto& values) {
+    if (values.empty() || shared) return values;
     std::decay_t<decltype(values)> out;
-    if (values.empty()) return out;
     out.reserve(mesh.indices.size());
     for (const std::uint32_t vertex : mesh.indices) out.push_back(values[vertex]);
     return out;
@@ -283,7 +286,7 @@ void PlyReader::add_part(const Corners& corners, Topology topology, std::uint32_
       if (!std::isnan(corners.uvs[i].x)) mesh.uvs[0][i] = corners.uvs[i];
   }
   if (!corners.colors.empty()) mesh.colors.resize(mesh.indices.size(), glm::vec4(1));
-  std::iota(mesh.indices.begin(), mesh.indices.end(), 0u);
+  if (!shared) std::iota(mesh.indices.begin(), mesh.indices.end(), 0u);
   builder_.add_part(std::move(mesh), material, false);
 }
 

@@ -249,6 +249,8 @@ void add_options(CLI::App& command, Arguments& to) {
   command.add_option("--environment", to.environment,
                      "an .hdr or .exr file, or the name of a built-in environment");
   command.add_option("--rotation", options.rotation_degrees, "turn of the environment about +Y, degrees");
+  command.add_option("--scene", options.gltf_scene, "index of one of a glTF's scenes; else its default")
+      ->check(CLI::Range(0, 1'000'000));
   command.add_option("--variant", options.variant, "one of the model's sets of materials");
   command.add_option("--animation", options.animation, "one of the model's animations, by name or index");
   command.add_option("--time", options.time_seconds, "of the animation, s; of the first if none is named");

@@ -129,6 +129,7 @@ std::string request_document(const RenderOptions& options, const std::string& mo
   Members scene, environment, orbit, camera, depth_of_field, motion_blur, output, bloom, sequence, request;
   if (!model.empty()) {
     scene.add("model", std::optional(model));
+    scene.add("gltfScene", options.gltf_scene);
     scene.add("variant", options.variant);
     if (animates(options)) scene.add_object("animation", clip_members(clip_of(options)));
     scene.add("upAxis", options.up_axis);
@@ -197,6 +198,7 @@ std::string request_document(const RenderOptions& options, const std::string& mo
 }
 
 void apply_options(const RenderOptions& options, const RenderSpec& said, RenderSpec& spec) {
+  if (options.gltf_scene) spec.scene.gltf_scene = *options.gltf_scene;
   if (options.variant) spec.scene.variant = options.variant;
   const bool is_told = !spec.scene.animations.empty() || spec.output.sequence;
   if (names_clip(options) || (animates(options) && !is_told)) spec.scene.animations = {clip_of(options)};

@@ -27,6 +27,7 @@ struct RenderOptions {
   std::optional<double> blur_degrees;      // of the background
   std::optional<std::string> sun;
   std::optional<std::string> visibility;
+  std::optional<int> gltf_scene;         // index
   std::optional<std::string> variant;    // of the model's materials, by name
   std::optional<std::string> animation;  // of the model, by name or index
   std::optional<double> time_seconds;    // of the animation

@@ -166,6 +166,27 @@ TEST(ZipModel, IsFoundByEveryReference) {
   }
 }
 
+// OBJ files name textures as they lay on another machine; a glTF says exactly where they are.
+TEST(ZipModel, OfAnObjFindsItsTexturesAnywhere) {
+  FileAssets none({}, 0, 1 << 20);
+  const auto siblings_of = [&](const std::vector<File>& files) {
+    const AssetResolver resolver(none, {{"m", Blob(zip(files))}}, {});
+    std::map<std::string, std::string> found;
+    const auto bundle = resolver.read_model("part:m", "/scene/model");
+    for (const auto& [name, blob] : bundle->siblings) found.emplace(name, blob.text());
+    return found;
+  };
+  const File model{"source/a.obj", "mtllib A.mtl\nv 0 0 0\n"};
+  const File materials{"source/a.mtl", "newmtl m\nmap_Kd C:\\me\\Wood.PNG\n"};
+  const std::map<std::string, std::string> both = {{"A.mtl", materials.bytes}, {"Wood.PNG", "wood"}};
+  EXPECT_EQ(siblings_of({model, materials, {"textures/wood.png", "wood"}}), both);
+  // Which of two is meant nobody knows, but what lies beside is.
+  EXPECT_EQ(siblings_of({model, materials, {"t/wood.png", "1"}, {"u/wood.png", "2"}}).size(), 1u);
+  EXPECT_EQ(siblings_of({model, materials, {"t/wood.png", "1"}, {"source/Wood.PNG", "wood"}}), both);
+  const File gltf{"source/a.gltf", R"({"asset":{"version":"2.0"},"images":[{"uri":"wood.png"}]})"};
+  EXPECT_TRUE(siblings_of({gltf, {"textures/wood.png", "wood"}}).empty());
+}
+
 TEST(NamedFiles, ComeBeforeWhatLiesBeside) {
   const std::string gltf = R"({"asset":{"version":"2.0"},"buffers":[{"uri":"a.bin","byteLength":1}]})";
   FileAssets files({}, 0, 0);

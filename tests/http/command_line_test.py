@@ -45,6 +45,27 @@ class CommandLine(Case):
             with open(os.path.join(folder, "out.exr"), "rb") as file:
                 self.assertEqual(file.read(4), b"\x76\x2f\x31\x01")
 
+    def test_render_one_of_several_scenes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, content in support.textured_quad().items():
+                with open(os.path.join(folder, name), "wb") as file:
+                    file.write(content)
+            with open(os.path.join(folder, "quad.gltf"), "r+", encoding="utf-8") as file:
+                document = json.load(file)
+                document["scenes"].append({})
+                file.seek(0)
+                json.dump(document, file)
+                file.truncate()
+            seen = []
+            for scene in ("0", "1"):
+                self.run_furnace("render", "quad.gltf", "--scene", scene, "-o", "out.png", "--width", "40", "--height", "30",
+                                 "--samples", "1", "--azimuth", "0", "--elevation", "0", "--background", "transparent", folder=folder)
+                with open(os.path.join(folder, "out.png"), "rb") as file:
+                    seen.append(support.read_png(file.read())[3][15 * 40 + 20][3])
+            self.assertEqual(seen, [255, 0])
+            done = self.run_furnace("render", "quad.gltf", "--scene", "2", "-o", "out.png", status=1, folder=folder)
+            self.assertIn(b"scene 2 does not exist", done.stderr)
+
     def test_an_archive_is_a_model(self):
         with tempfile.TemporaryDirectory() as folder:
             with zipfile.ZipFile(os.path.join(folder, "quad.zip"), "w") as archive:

@@ -1,4 +1,6 @@
 // Material and instance -> GPU blocks: every field arrives where the shader reads it.
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -131,6 +133,17 @@ TEST(Packing, NormalsStayPerpendicularUnderAnyScale) {
   EXPECT_NEAR(glm::dot(n, glm::mat3(world_from_model) * bitangent), 0, 1e-5);
   // Outwards stays outwards: the normal and its moved point lie on one side.
   EXPECT_GT(glm::dot(n, glm::mat3(world_from_model) * normal), 0);
+}
+
+// Of models from the size of an atom to that of a planet's orbit, and without a change of any digit.
+TEST(Packing, NormalsDoNotGrowWithTheModel) {
+  const glm::mat4 turned = glm::scale(glm::rotate(glm::mat4(1), 0.7f, glm::vec3(1, 2, 3)), {2, 0.5f, -3});
+  const DrawBlock plain = pack_draw(turned, 7, 4);
+  for (const int exponent : {-60, -40, 40, 60}) {
+    const DrawBlock block = pack_draw(glm::scale(turned, glm::vec3(std::ldexp(1.f, exponent))), 7, 4);
+    EXPECT_EQ(block.world_from_model_normal, plain.world_from_model_normal) << exponent;
+    EXPECT_EQ(block.handedness, -1) << exponent;
+  }
 }
 
 }  // namespace

@@ -156,6 +156,21 @@ TEST(GltfAnimation, WhatItCannotMoveBecomesANote) {
   EXPECT_EQ(placed.place(2), glm::vec3(5, 6, 7));
 }
 
+TEST(GltfAnimation, WeightsMustBeThoseOfTheMesh) {
+  Moved moved;
+  moved.target["path"] = "weights";
+  moved.type = "SCALAR";
+  moved.values = {0, 1};
+  const Scene scene = moved.at(2);
+  ASSERT_THAT(scene.notes, SizeIs(1));
+  EXPECT_EQ(scene.notes[0].code, "animation-channel-ignored");
+  primitive_of(moved.builder)["targets"] = {
+      {{"POSITION", moved.builder.add_accessor<float>("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1})}}};
+  EXPECT_EQ(moved.refused_at(), "no error");
+  moved.values = {0, 1, 0, 1};
+  EXPECT_EQ(moved.refused_at(), "/animations/0/samplers/0/output");
+}
+
 TEST(GltfAnimation, LaterClipsHaveTheLastWord) {
   GltfBuilder builder = Moved().built();
   Json other = builder.json["animations"][0];

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include "renderer/scene/gltf_notes.hpp"
 #include "tests/scene/gltf_builder.hpp"
 
 namespace furnace::testing {
@@ -270,6 +271,52 @@ TEST(Import, ImpliedZerosAreBounded) {
   const auto error = error_of([&] { builder.import(); });
   EXPECT_EQ(error->code, ErrorCode::kTooLarge);
   EXPECT_EQ(error->pointer, "/accessors/0/count");
+}
+
+TEST(Import, WhatIsNoModelIsSaidToBeNone) {
+  const auto message_of = [](const std::string& bytes) {
+    return error_of([&] { gltf_external_uris(Blob(bytes), {}); })->message;
+  };
+  EXPECT_TRUE(message_of("Kaydara FBX Binary  ").ends_with("it is an FBX file"));
+  EXPECT_TRUE(message_of("<!DOCTYPE html>").ends_with("it is a web page"));
+  EXPECT_TRUE(message_of(" ").ends_with("it is empty"));
+  EXPECT_TRUE(message_of("anything").starts_with("is no model that is read here"));
+  EXPECT_TRUE(message_of("{").starts_with("not JSON"));
+}
+
+TEST(Import, UndeclaredExtensionsAreToldWhereTheyStand) {
+  GltfBuilder builder = clean_builder();
+  builder.json["nodes"][0]["extensions"] = {{"MAKER_a/b", Json::object()},
+                                            {"KHR_node_visibility", Json::object()}};
+  builder.json["asset"]["extras"]["extensions"]["NOT_one"] = Json::object();
+  const Scene scene = builder.import();
+  ASSERT_EQ(scene.notes.size(), 1u);
+  EXPECT_EQ(scene.notes[0].pointer, "/nodes/0/extensions/MAKER_a~1b");
+  builder.json["extensionsUsed"] = {"MAKER_a/b"};
+  EXPECT_EQ(builder.import().notes.at(0).pointer, "/extensionsUsed/0");
+}
+
+TEST(Import, WhatLiesTooFarForSinglePrecisionIsTold) {
+  GltfBuilder builder = clean_builder();
+  for (const double distance : {0.0, 1e3}) {
+    builder.json["nodes"][0]["translation"] = {distance, 0, 0};
+    EXPECT_THAT(builder.import().notes, IsEmpty()) << distance;
+  }
+  builder.json["nodes"][0]["translation"] = {0, -1e5, 0};
+  const Scene scene = builder.import();
+  ASSERT_EQ(scene.notes.size(), 1u);
+  EXPECT_EQ(scene.notes[0].code, "far-from-origin");
+  builder.json["nodes"][0]["scale"] = {1e3, 1e3, 1e3};
+  EXPECT_THAT(builder.import().notes, IsEmpty());
+}
+
+TEST(Notes, EndWithHowManyAreTold) {
+  GltfNotes notes;
+  for (int i = 0; i < 300; ++i) notes.add("code", std::to_string(i), "message");
+  const std::vector<Note> told = notes.take();
+  ASSERT_EQ(told.size(), 201u);
+  EXPECT_EQ(told[199].code, "code");
+  EXPECT_EQ(told[200].code, "notes-omitted");
 }
 
 TEST(Import, DeepOrEndlessJsonIsRefused) {

@@ -14,42 +14,13 @@
 #include "renderer/image/encode.hpp"
 #include "renderer/scene/model_material.hpp"
 #include "renderer/scene/model_surface.hpp"
+#include "tests/scene/model_scenes.hpp"
 #include "tests/support/model_files.hpp"
 
 namespace furnace {
 namespace {
 
 using namespace test;
-using Siblings = std::map<std::string, std::string>;
-
-ModelBundle bundle_of(const std::string& document, const Siblings& siblings = {}) {
-  ModelBundle bundle;
-  bundle.document = Blob(document);
-  bundle.format = model_format(bundle.document, "");
-  for (const auto& [name, bytes] : siblings) bundle.siblings.emplace(name, Blob(bytes));
-  bundle.seal();
-  return bundle;
-}
-
-Scene import(const std::string& document, const Siblings& siblings = {}, std::optional<UpAxis> up = {},
-             const ImportLimits& limits = {}) {
-  return import_model(bundle_of(document, siblings), up, limits, decode::in_process_decoder(), Deadline());
-}
-
-Error error_of(const std::string& document, const ImportLimits& limits = {}) {
-  try {
-    import(document, {}, {}, limits);
-  } catch (const Error& error) {
-    return error;
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return {};
-}
-
-bool has_note(const Scene& scene, std::string_view code) {
-  return std::ranges::any_of(scene.notes, [&](const Note& note) { return note.code == code; });
-}
-
 double area(const Scene& scene) {
   double sum = 0;
   for (const SharedMesh& mesh : scene.meshes)
@@ -69,7 +40,7 @@ std::string png_of(const std::array<int, 3>& color) {
 
 TEST(ModelImport, EveryFormOfPlyIsTheSameSquare) {
   for (const PlyForm form : {PlyForm::kText, PlyForm::kLittle, PlyForm::kBig}) {
-    const Scene scene = import(ply_square(form));
+    const Scene scene = import_text(ply_square(form));
     ASSERT_EQ(scene.meshes.size(), 1u);
     const Mesh& mesh = *scene.meshes[0];
     EXPECT_EQ(mesh.positions.size(), 4u);
@@ -90,7 +61,7 @@ TEST(ModelImport, EveryFormOfPlyIsTheSameSquare) {
 }
 
 TEST(ModelImport, ACloudIsPoints) {
-  const Scene scene = import(ply_cloud());
+  const Scene scene = import_text(ply_cloud());
   ASSERT_EQ(scene.meshes.size(), 1u);
   EXPECT_EQ(scene.meshes[0]->topology, Topology::kPoints);
   EXPECT_EQ(scene.meshes[0]->indices.size(), 3u);
@@ -98,8 +69,17 @@ TEST(ModelImport, ACloudIsPoints) {
   EXPECT_TRUE(scene.notes.empty());
 }
 
+TEST(ModelImport, SplatsAreToldToBePoints) {
+  const std::string cloud =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\n";
+  EXPECT_FALSE(has_note(import_text(cloud + "end_header\n1 2 3 0 0 0\n"), "geometry-ignored"));
+  EXPECT_TRUE(has_note(import_text(cloud + "property float scale_0\nend_header\n1 2 3 0 0 0 -4\n"),
+                       "geometry-ignored"));
+}
+
 TEST(ModelImport, StlIsFlatByItsCornersAndZIsUp) {
-  const Scene scene = import(binary_stl("solid but binary", {0, 0, 0}));
+  const Scene scene = import_text(binary_stl("solid but binary", {0, 0, 0}));
   const Mesh& mesh = *scene.meshes.at(0);
   EXPECT_EQ(mesh.indices.size(), 9u);
   EXPECT_TRUE(mesh.colors.empty());
@@ -107,7 +87,7 @@ TEST(ModelImport, StlIsFlatByItsCornersAndZIsUp) {
   EXPECT_EQ(scene.instances.at(0).world_from_model * glm::vec4(1, 2, 3, 1), glm::vec4(1, 3, -2, 1));
   EXPECT_TRUE(has_note(scene, "up-axis-assumed"));
 
-  const Scene stated = import(text_stl(), {}, UpAxis::kY);
+  const Scene stated = import_text(text_stl(), {}, UpAxis::kY);
   EXPECT_EQ(stated.instances.at(0).world_from_model, glm::mat4(1));
   EXPECT_EQ(stated.meshes.at(0)->normals.at(0), glm::vec3(0, -1, 0));
   EXPECT_NEAR(area(stated), 3, 1e-6);
@@ -125,18 +105,18 @@ TEST(ModelImport, StlHasTwoConventionsOfColour) {
     return colors;
   };
   const glm::vec4 red(1, 0, 0, 1), green(0, 1, 0, 1), blue(0, 0, 1, 1), white(1);
-  const auto viscam =
-      colors_of(import(binary_stl("x", {std::uint16_t(kMark | kLow), std::uint16_t(kMark | kHigh), kLow})));
+  const auto viscam = colors_of(
+      import_text(binary_stl("x", {std::uint16_t(kMark | kLow), std::uint16_t(kMark | kHigh), kLow})));
   EXPECT_EQ(viscam, (std::array{blue, red, white}));
   const std::string head("COLOR=\x00\xff\x00\xff", 10);
-  const auto magics = colors_of(import(binary_stl(head, {kLow, kHigh, std::uint16_t(kMark | kLow)})));
+  const auto magics = colors_of(import_text(binary_stl(head, {kLow, kHigh, std::uint16_t(kMark | kLow)})));
   EXPECT_EQ(magics, (std::array{red, blue, green}));
 }
 
 TEST(ModelImport, MtlBecomesMetallicRoughness) {
-  const Scene scene = import(obj_corner(), {{"corner.mtl", mtl_corner()},
-                                            {"my paint.png", png_of({200, 0, 0})},
-                                            {"bump.png", png_of({128, 128, 255})}});
+  const Scene scene = import_text(obj_corner(), {{"corner.mtl", mtl_corner()},
+                                                 {"my paint.png", png_of({200, 0, 0})},
+                                                 {"bump.png", png_of({128, 128, 255})}});
   ASSERT_EQ(scene.meshes.size(), 2u);
   ASSERT_EQ(scene.materials.size(), 2u);
   const Material& full = scene.materials[0];
@@ -168,10 +148,10 @@ TEST(ModelImport, MtlBecomesMetallicRoughness) {
 }
 
 TEST(ModelImport, WhatIsMissingIsTold) {
-  const Scene bare = import(obj_corner());
+  const Scene bare = import_text(obj_corner());
   EXPECT_TRUE(has_note(bare, "materials-missing"));
   const Scene scene =
-      import(obj_corner(), {{"corner.mtl", mtl_corner()}, {"bump.png", png_of({90, 90, 90})}});
+      import_text(obj_corner(), {{"corner.mtl", mtl_corner()}, {"bump.png", png_of({90, 90, 90})}});
   EXPECT_TRUE(has_note(scene, "image-missing"));
   EXPECT_FALSE(scene.materials.at(0).texture(TextureUse::kBaseColor));
   EXPECT_FALSE(scene.materials.at(0).texture(TextureUse::kNormal));  // grey: heights
@@ -179,7 +159,7 @@ TEST(ModelImport, WhatIsMissingIsTold) {
 }
 
 TEST(ModelImport, VertexColoursLinesAndPointsOfObj) {
-  const Scene scene = import("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\ng wire\nl 1 2 3\n");
+  const Scene scene = import_text("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\ng wire\nl 1 2 3\n");
   ASSERT_EQ(scene.meshes.size(), 2u);
   EXPECT_EQ(scene.meshes[0]->colors.size(), 3u);
   EXPECT_EQ(scene.meshes[1]->topology, Topology::kLines);
