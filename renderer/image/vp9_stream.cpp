@@ -13,8 +13,8 @@
 namespace furnace {
 namespace {
 
-// Frames that libvpx looks ahead to place its hidden reference frames.
-constexpr unsigned kLookAheadFrames = 16;
+// What libvpx looks ahead to place its hidden reference frames: it holds as many frames.
+constexpr std::int64_t kMostFramesAhead = 16, kMostPxAhead = 32 << 20;
 // libvpx's "speed", 0 to 9: of the good ones the quickest.
 constexpr int kSpeed = 5;
 constexpr int kCoarsestLevel = 63;
@@ -42,7 +42,7 @@ struct Vp9Stream::Encoder {
     constexpr int kHundredths = 100;
     config.g_timebase = {kHundredths,
                          static_cast<int>(std::lround(kHundredths * settings.frames_per_second))};
-    config.g_lag_in_frames = kLookAheadFrames;
+    config.g_lag_in_frames = unsigned(std::min(kMostFramesAhead, kMostPxAhead / extent.area()));
     config.rc_end_usage = VPX_Q;
     config.kf_mode = VPX_KF_DISABLED;  // where they are told, so that two streams of one video agree
     if (vpx_codec_enc_init(&codec, vpx_codec_vp9_cx(), &config, 0) != VPX_CODEC_OK) refuse();

@@ -234,10 +234,11 @@ TEST_F(ObjectsGlTest, BlocksHaveTheSameLayoutInBothLanguages) {
        FURNACE_MEMBER(MaterialBlock, uv_rows)},
       sizeof(MaterialBlock));
   expect_layout(program.id(), "GroundUniform",
-                {FURNACE_MEMBER(GroundBlock, clip_from_ground), FURNACE_MEMBER(GroundBlock, level),
-                 FURNACE_MEMBER(GroundBlock, light_count), FURNACE_MEMBER(GroundBlock, pad_0),
-                 FURNACE_MEMBER(GroundBlock, pad_1), FURNACE_MEMBER(GroundBlock, light),
-                 FURNACE_MEMBER(GroundBlock, weight)},
+                {FURNACE_MEMBER(GroundBlock, clip_from_ground), FURNACE_MEMBER(GroundBlock, rectangle),
+                 FURNACE_MEMBER(GroundBlock, far_light), FURNACE_MEMBER(GroundBlock, level),
+                 FURNACE_MEMBER(GroundBlock, light_count), FURNACE_MEMBER(GroundBlock, lamp),
+                 FURNACE_MEMBER(GroundBlock, pad_0), FURNACE_MEMBER(GroundBlock, light),
+                 FURNACE_MEMBER(GroundBlock, weight), FURNACE_MEMBER(GroundBlock, shift)},
                 sizeof(GroundBlock));
   using gpu::LayerBlock;
   expect_layout(program.id(), "LayerUniform",
