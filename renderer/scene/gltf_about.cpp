@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "renderer/scene/gltf_json.hpp"
+#include "renderer/scene/gltf_read.hpp"
 
 namespace furnace {
 
@@ -78,6 +78,7 @@ GltfAbout read_gltf_about(const Blob& bytes, const GltfDocument& document) {
   about.asset = {text_of(asset, "version"), text_of(asset, "generator"), text_of(asset, "copyright")};
   for (const Json& name : array_member(root, "extensionsRequired"))
     if (name.is_string()) about.extensions_required.push_back(name.get<std::string>());
+  for (const auto& [name, pointer] : undeclared_extensions(root)) about.extensions_undeclared.push_back(name);
   about.scene_names = texts_of(array_member(root, "scenes"), "name");
   about.skin_names = texts_of(array_member(root, "skins"), "name");
   about.texture_names = texts_of(array_member(root, "textures"), "name");

@@ -22,6 +22,7 @@ struct GltfRange {
 struct GltfAbout {
   GltfAsset asset;
   std::vector<std::string> extensions_required;
+  std::vector<std::string> extensions_undeclared;  // neither supported nor in extensionsUsed, sorted
   std::vector<std::string> scene_names, skin_names, texture_names, image_names, image_media_types;
   std::vector<GltfRange> ranges;                              // by accessor
   std::vector<std::vector<std::string>> material_extensions;  // by material, sorted

@@ -74,7 +74,7 @@ void find_undeclared(const Json& value, const std::set<std::string_view>& known,
     if (member.key() == "extras") continue;
     if (member.key() == "extensions" && member->is_object())
       for (auto extension = member->begin(); extension != member->end(); ++extension)
-        if (!known.contains(extension.key()))
+        if (found.size() < kMostUndeclared && !known.contains(extension.key()))
           found.try_emplace(extension.key(),
                             pointer_below(pointer_below(pointer_of(way), "extensions"), extension.key()));
     below(*member, {member.key(), 0});

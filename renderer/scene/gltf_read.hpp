@@ -24,7 +24,8 @@ GltfJson parse_gltf(const Blob& bytes, const ImportLimits& limits);
 GltfDocument read_gltf_document(const GltfJson& json, const ImportLimits& limits);
 
 // gltf_extensions.cpp: what extension objects there are that are neither supported nor in extensionsUsed, each with the
-// place of the first.
+// place of the first; as many as a report has room for.
+inline constexpr std::size_t kMostUndeclared = 1000;
 std::map<std::string, std::string> undeclared_extensions(const Json& root);
 
 // gltf_read_data.cpp

@@ -84,6 +84,8 @@ void report_extensions(const ReportSource& source, ReportBudget& budget, ModelRe
   std::vector<std::string> unsupported;
   for (const std::string& name : source.document.extensions_used)
     if (std::find(supported.begin(), supported.end(), name) == supported.end()) unsupported.push_back(name);
+  const std::vector<std::string>& undeclared = source.about.extensions_undeclared;
+  unsupported.insert(unsupported.end(), undeclared.begin(), undeclared.end());
   report.extensions.used = budget.texts(source.document.extensions_used);
   report.extensions.required = budget.texts(source.about.extensions_required);
   report.extensions.unsupported = budget.texts(unsupported);

@@ -1,6 +1,9 @@
 // Reports of models that are no glTF: what they were imported as.
 #include <algorithm>
 #include <iterator>
+#include <optional>
+#include <set>
+#include <utility>
 
 #include "renderer/scene/model_import.hpp"
 #include "renderer/scene/model_report_parts.hpp"
@@ -85,6 +88,32 @@ std::vector<ImageWanted> wanted_images(const Scene& scene) {
   return wanted;
 }
 
+// By image, as the first material that shows it has it.
+std::vector<SamplerDesc> samplers_of(const Scene& scene) {
+  std::vector<std::optional<SamplerDesc>> first(scene.images.size());
+  for (const Material& material : scene.materials)
+    for (const auto& slot : material.textures)
+      if (slot && !first[std::size_t(slot->image)]) first[std::size_t(slot->image)] = slot->sampler;
+  std::vector<SamplerDesc> samplers;
+  for (const auto& sampler : first) samplers.push_back(sampler.value_or(SamplerDesc()));
+  return samplers;
+}
+
+// Of the files that the model and those beside it name.
+std::vector<std::string> missing_files(const ModelBundle& bundle, const ImportLimits& limits) {
+  std::vector<std::string> names = model_siblings(bundle.document, bundle.format, limits);
+  std::set<std::string> seen(names.begin(), names.end());
+  for (std::size_t i = 0, libraries = bundle.format == ModelFormat::kObj ? names.size() : 0; i < libraries;
+       ++i) {
+    const auto library = bundle.siblings.find(names[i]);
+    if (library == bundle.siblings.end()) continue;
+    for (std::string& name : texture_names(library->second.text()))
+      if (seen.insert(name).second) names.push_back(std::move(name));
+  }
+  std::erase_if(names, [&](const std::string& name) { return bundle.siblings.contains(name); });
+  return names;
+}
+
 void report_images(const Scene& scene, ReportBudget& budget, GltfNotes& notes, ModelReport& report) {
   const std::vector<ImageWanted> wanted = wanted_images(scene);
   const auto counted = [&](std::size_t i) {
@@ -95,8 +124,9 @@ void report_images(const Scene& scene, ReportBudget& budget, GltfNotes& notes, M
   };
   report.images = budget.list<ModelReport::ImageInfo>(scene.images.size(), counted);
   for (std::size_t i = report.images.items.size(); i < scene.images.size(); ++i) counted(i);
+  const std::vector<SamplerDesc> samplers = samplers_of(scene);
   report.textures = budget.list<ModelReport::TextureInfo>(scene.images.size(), [&](std::size_t i) {
-    return ModelReport::TextureInfo{{}, int(i), {}};
+    return ModelReport::TextureInfo{{}, int(i), samplers[i]};
   });
 }
 
@@ -123,9 +153,7 @@ ModelReport inspect_plain(Decoder& decoder, const ModelBundle& bundle, const Imp
     const Instance& instance = scene.instances[i];
     return mesh_info(*scene.meshes[std::size_t(instance.mesh)], instance, budget);
   });
-  std::vector<std::string> missing = model_siblings(bundle.document, bundle.format, limits);
-  std::erase_if(missing, [&](const std::string& name) { return bundle.siblings.contains(name); });
-  report.missing_files = budget.texts(missing);
+  report.missing_files = budget.texts(missing_files(bundle, limits));
   report.notes = notes.take();
   return report;
 }

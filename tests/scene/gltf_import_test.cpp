@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "renderer/scene/gltf_notes.hpp"
+#include "renderer/scene/gltf_read.hpp"
 #include "tests/scene/gltf_builder.hpp"
 
 namespace furnace::testing {
@@ -292,6 +293,10 @@ TEST(Import, UndeclaredExtensionsAreToldWhereTheyStand) {
   const Scene scene = builder.import();
   ASSERT_EQ(scene.notes.size(), 1u);
   EXPECT_EQ(scene.notes[0].pointer, "/nodes/0/extensions/MAKER_a~1b");
+  GltfBuilder many = clean_builder();
+  for (int i = 0; i < 2000; ++i)
+    many.json["nodes"][0]["extensions"]["E" + std::to_string(i)] = Json::object();
+  EXPECT_EQ(undeclared_extensions(many.json).size(), kMostUndeclared);
   builder.json["extensionsUsed"] = {"MAKER_a/b"};
   EXPECT_EQ(builder.import().notes.at(0).pointer, "/extensionsUsed/0");
 }

@@ -127,6 +127,10 @@ TEST(ModelReport, AnimationsVariantsExtensionsAndWhatNothingUses) {
   EXPECT_EQ(report.animations.items[0].channels.items[0].keyframes, 3);
   EXPECT_THAT(report.variants.items, ElementsAre("day", "night"));
   EXPECT_THAT(report.extensions.unsupported.items, ElementsAre("MY_extension"));
+  GltfBuilder undeclared = furnished_builder();
+  undeclared.json["nodes"][0]["extensions"]["ITS_extension"] = Json::object();
+  EXPECT_THAT(inspect(undeclared, {}, {}, kFiles).extensions.unsupported.items,
+              ElementsAre("MY_extension", "ITS_extension"));
   EXPECT_THAT(report.unused.nodes.items, ElementsAre(3));
   EXPECT_THAT(report.unused.cameras.items, ElementsAre(0));
   EXPECT_THAT(report.unused.materials.items, ElementsAre(1));
@@ -293,6 +297,19 @@ TEST(PlainModelReport, WhatIsMissingIsTold) {
   const ModelReport report = inspect_plain_model(test::obj_corner(), ModelFormat::kObj);
   EXPECT_THAT(report.missing_files.items, ::testing::ElementsAre("corner.mtl"));
   EXPECT_FALSE(report.notes.empty());
+  const ModelReport without_textures =
+      inspect_plain_model(test::obj_corner(), ModelFormat::kObj, {{"corner.mtl", Blob(test::mtl_corner())}});
+  EXPECT_THAT(without_textures.missing_files.items,
+              ::testing::ElementsAre("my paint.png", "bump.png", "shine.png"));
+}
+
+TEST(PlainModelReport, TexturesAreAsTheirMaterialsPlaceThem) {
+  const ModelReport report = inspect_plain_model(
+      "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n", ModelFormat::kObj,
+      {{"m.mtl", Blob("newmtl m\nmap_Kd -clamp on -s 2 2 a.png\n")}, {"a.png", Blob(png_header(4, 4))}});
+  ASSERT_EQ(report.textures.size(), 1);
+  EXPECT_EQ(report.textures.items[0].sampler.wrap_u, Wrap::kClampToEdge);
+  EXPECT_TRUE(report.materials.items.at(0).textures.items.at(0).transformed);
 }
 
 TEST(PlainModelReport, HasNoScenesAndNoVariants) {
