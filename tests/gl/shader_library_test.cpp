@@ -103,7 +103,8 @@ TEST(ShaderLibrary, FeatureBitsAreTheListOfTheInterface) {
       {kFeatureLightPart, "FEATURE_LIGHT_PART"},
       {kFeatureLightTerm, "FEATURE_LIGHT_TERM"},
       {kFeatureNearest, "FEATURE_NEAREST"},
-      {kFeatureEnvironmentVisibility, "FEATURE_ENVIRONMENT_VISIBILITY"}};
+      {kFeatureEnvironmentVisibility, "FEATURE_ENVIRONMENT_VISIBILITY"},
+      {kFeatureDither, "FEATURE_DITHER"}};
   ASSERT_EQ(names.size(), std::size(expected));
   for (std::size_t bit = 0; bit < names.size(); ++bit) {
     EXPECT_EQ(expected[bit].first, FeatureSet(1) << bit);
