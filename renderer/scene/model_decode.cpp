@@ -247,7 +247,8 @@ void add_vertices(std::string_view obj, ModelBuilder& builder) {
 }
 
 void add_obj(Bytes bytes, std::string_view materials, ModelBuilder& builder) {
-  const std::string name = "model.obj";  // by whose ending the library takes its reader
+  // By whose ending the library takes its reader, and that no line can name as its materials.
+  const std::string name = "\n.obj";
   const std::string_view text = without_mark({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   const Bytes document = bytes.last(text.size());
   if (!has_elements(text)) {

@@ -158,6 +158,15 @@ TEST(ModelImport, WhatIsMissingIsTold) {
   EXPECT_NEAR(scene.materials.at(0).base_color.g, linear_from_srgb(0.25), 1e-6);
 }
 
+TEST(ModelImport, MaterialsMayHaveAnyName) {
+  for (const std::string name : {"model.obj", "a b.mtl", ".mtl"}) {
+    const Scene scene = import_text("mtllib " + name + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n",
+                                    {{name, "newmtl red\nKd 1 0 0\n"}});
+    ASSERT_EQ(scene.materials.size(), 1u) << name;
+    EXPECT_EQ(scene.materials[0].base_color, glm::vec4(1, 0, 0, 1)) << name;
+  }
+}
+
 TEST(ModelImport, VertexColoursLinesAndPointsOfObj) {
   const Scene scene = import_text("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\ng wire\nl 1 2 3\n");
   ASSERT_EQ(scene.meshes.size(), 2u);
