@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 
@@ -96,10 +97,6 @@ T unzigzag(T v) {
   return T((v & 1) != 0 ? ~(v >> 1) : v >> 1);
 }
 
-std::uint32_t rotated(std::uint32_t v, unsigned r) {
-  return v << r | v >> ((32 - r) & 31);
-}
-
 // By byte: the deltas of a block.
 using ChannelDeltas = std::array<std::array<std::uint8_t, kMostBlock>, kChannel>;
 
@@ -110,7 +107,7 @@ std::uint32_t word_of(const ChannelDeltas& deltas, std::size_t i) {
 
 // One channel's value after another's, in one 32-bit word.
 std::uint32_t next_value(std::uint32_t last, std::uint32_t delta, unsigned deltas, unsigned rotation) {
-  if (deltas == kOfBits) return last ^ rotated(delta, rotation);
+  if (deltas == kOfBits) return last ^ std::rotr(delta, int(rotation));
   std::uint32_t value = 0;
   if (deltas == kOfWords) {
     for (unsigned shift = 0; shift < 32; shift += 16) {

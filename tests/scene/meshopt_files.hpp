@@ -73,7 +73,7 @@ class Version1 {
   }
 
   std::uint32_t delta(std::uint32_t value, std::uint32_t last, std::uint8_t mode) const {
-    if ((mode & 15) == 2) return std::rotr(value ^ last, mode >> 4);
+    if ((mode & 15) == 2) return std::rotl(value ^ last, mode >> 4);
     std::uint32_t result = 0;
     const unsigned step = (mode & 15) == 1 ? 16 : 8;
     for (unsigned shift = 0; shift < 32; shift += step) {

@@ -2,10 +2,14 @@
 // encoder of our own, filters against their closed forms, damage and lies are refused.
 #include "renderer/scene/meshopt_decode.hpp"
 
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 #include <random>
+#include <string>
+#include <string_view>
 
 #include <meshoptimizer.h>
 
@@ -50,6 +54,37 @@ TEST(Meshopt, ReadsVersion1) {
       }
     }
   }
+}
+
+Bytes bytes_of_hex(std::string_view text) {
+  Bytes bytes;
+  for (std::size_t i = 0; i < text.size(); i += 2)
+    bytes.push_back(std::uint8_t(std::stoul(std::string(text.substr(i, 2)), nullptr, 16)));
+  return bytes;
+}
+
+// As meshoptimizer 1.3 wrote it at its highest level: bits turned by 4, words, bytes, words.
+TEST(Meshopt, ReadsVersion1OfTheReferenceEncoder) {
+  constexpr std::size_t kCount = 20, kStride = 16;
+  const Bytes file = bytes_of_hex(
+      "a1687755bf040300030b020f1317131f262c4f0f1e380f00d8d838040058585858585858585858585858585858585858"
+      "052aaaaaaaaa00000000b31b83eb53bb238bf35bc32b93fb63cb339b030200234679abdeffff101112140f001517181a"
+      "052aaaaaaaaa0000000204444444444444440f00040404040206666666666666660f0006060606020888888888888888"
+      "0f0008080808008a9e4d39da11fd162ac1ad667a715db63521f20046d39f127af86a22afc33656e38f028ae85b310002"
+      "060c1014181e22282a30343a3e40484a5054000000000000803f0000e8fd000000000000000042010001");
+  Bytes elements(kCount * kStride);
+  for (std::uint32_t k = 0; k < kCount; ++k) {
+    const float number = 1 - float(k) / 16;
+    const std::array words{std::uint16_t(k * 300), std::uint16_t(65000 - k * k * 90)};
+    const std::uint32_t square = 0x12345 * k * k;
+    std::uint8_t* element = &elements[k * kStride];
+    std::memcpy(element, &number, 4);
+    std::memcpy(element + 4, words.data(), 4);
+    for (std::uint32_t byte = 0; byte < 4; ++byte) element[8 + byte] = std::uint8_t(k * (byte + 1));
+    std::memcpy(element + 12, &square, 4);
+  }
+  ASSERT_EQ(file[file.size() - 4], 0x42);
+  EXPECT_EQ(decoded(file, {MeshoptMode::kAttributes, MeshoptFilter::kNone, kCount, kStride}), elements);
 }
 
 // The example of the specification: 4-bit deltas with two sentinels, in the first byte of 16 elements.
