@@ -12,7 +12,7 @@ namespace furnace {
 
 namespace {
 
-constexpr std::array<std::string_view, 28> kSupportedExtensions{
+constexpr std::array<std::string_view, 34> kSupportedExtensions{
     "EXT_mesh_gpu_instancing",              // gltf_instances.cpp
     "EXT_meshopt_compression",              // gltf_read_compression.cpp
     "EXT_texture_avif",                     // gltf_read_material.cpp
@@ -39,8 +39,15 @@ constexpr std::array<std::string_view, 28> kSupportedExtensions{
     "KHR_node_visibility",                  // gltf_read_scene.cpp
     "KHR_texture_basisu",                   // gltf_read_material.cpp
     "KHR_texture_transform",                // gltf_read_material.cpp
-    "KHR_xmp",                              // metadata: no picture needs it
-    "KHR_xmp_json_ld",                      // its successor
+    // No picture needs these: what things are, where polygons were, what a pointer may do.
+    "EXT_instance_features",
+    "EXT_mesh_features",
+    "EXT_structural_metadata",
+    "FB_ngon_encoding",
+    "KHR_node_hoverability",
+    "KHR_node_selectability",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
 };
 
 // A way down a document; its text is only made for what is found.
