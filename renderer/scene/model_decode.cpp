@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <exception>
 #include <limits>
@@ -24,6 +23,7 @@
 #include "renderer/base/error.hpp"
 #include "renderer/scene/model_builder.hpp"
 #include "renderer/scene/mtl_text.hpp"
+#include "renderer/scene/obj_vertices.hpp"
 #include "renderer/scene/ply_decode.hpp"
 #include "renderer/scene/stl_decode.hpp"
 #include "renderer/scene/text_lines.hpp"
@@ -210,32 +210,17 @@ bool has_elements(std::string_view obj) {
   return false;
 }
 
-// "v x y z", then w or three of colour, or both.
 void add_vertices(std::string_view obj, ModelBuilder& builder) {
-  constexpr std::size_t kMostNumbers = 7;
   Mesh mesh;
   mesh.topology = Topology::kPoints;
-  bool colored = true;
   while (!obj.empty()) {
     std::string_view line = take_line(obj);
     if (take_word(line) != "v") continue;
-    std::array<float, kMostNumbers> numbers{};
-    std::size_t count = 0;
-    while (!line.empty() && count < kMostNumbers) {
-      const std::string_view word = take_word(line);
-      const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), numbers[count]);
-      if (fault != std::errc{} || end != word.data() + word.size()) break;
-      ++count;
-    }
-    if (count < 3)
-      fail_unreadable(ModelFormat::kObj,
-                      fmt::format("vertex {} has {} of its 3 numbers", mesh.positions.size() + 1, count));
+    const ObjVertex vertex = obj_vertex(line, mesh.positions.size() + 1);
     mesh.indices.push_back(std::uint32_t(mesh.positions.size()));
-    mesh.positions.emplace_back(numbers[0], numbers[1], numbers[2]);
-    colored = colored && count >= 6;
-    mesh.colors.emplace_back(numbers[count - 3], numbers[count - 2], numbers[count - 1], 1);
+    mesh.positions.push_back(vertex.position);
+    if (vertex.color) mesh.colors.emplace_back(*vertex.color, 1);  // all or none
   }
-  if (!colored) mesh.colors.clear();
   bring_colors_to_one(mesh.colors);
   builder.add_material(builder.plain_material());
   builder.add_part(std::move(mesh), 0, false);
@@ -249,8 +234,9 @@ void add_vertices(std::string_view obj, ModelBuilder& builder) {
 void add_obj(Bytes bytes, std::string_view materials, ModelBuilder& builder) {
   // By whose ending the library takes its reader, and that no line can name as its materials.
   const std::string name = "\n.obj";
-  const std::string_view text = without_mark({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  const Bytes document = bytes.last(text.size());
+  const std::string_view written = without_mark({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  const std::optional<std::string> even = with_even_vertices(written);
+  const std::string_view text = even ? *even : written;
   if (!has_elements(text)) {
     if (has_free_forms(text))
       fail_unreadable(ModelFormat::kObj, "it has free-form curves or surfaces alone, which are not drawn");
@@ -258,8 +244,9 @@ void add_obj(Bytes bytes, std::string_view materials, ModelBuilder& builder) {
   }
   try {
     Assimp::Importer importer;
-    importer.SetIOHandler(new MemoryFiles(
-        name, document, std::as_bytes(std::span(from_first_material(materials)))));  // owns it
+    importer.SetIOHandler(
+        new MemoryFiles(name, std::as_bytes(std::span(text)),
+                        std::as_bytes(std::span(from_first_material(materials)))));  // owns it
     const aiScene* scene = importer.ReadFile(name, 0);
     if (scene == nullptr) fail_as(importer);
     check_faces(*scene, builder.limits());

@@ -173,6 +173,7 @@ void add_mesh_seeds(Seeds& seeds) {
   seeds["draco"] = {draco_input(true), draco_input(false)};
   add_meshopt(seeds["meshopt"]);
   seeds["obj"] = {test::obj_corner() + '\0' + test::mtl_corner(), test::obj_corner(),
+                  "v 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0 0 1 0 1\nf 1 2 3\n",
                   "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nvn 0 0 1\nf 1//1 2//1 3//1\nl 1 2 3\np 1\n"};
   seeds["stl"] = {test::text_stl(), test::binary_stl("a thing", {0, 0, 0}),
                   test::binary_stl("COLOR=abcd", {1, 0x8000, 77})};

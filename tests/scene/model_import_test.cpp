@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "renderer/base/error.hpp"
@@ -173,6 +174,32 @@ TEST(ModelImport, VertexColoursLinesAndPointsOfObj) {
   EXPECT_EQ(scene.meshes[0]->colors.size(), 3u);
   EXPECT_EQ(scene.meshes[1]->topology, Topology::kLines);
   EXPECT_EQ(scene.meshes[1]->indices.size(), 4u);
+}
+
+TEST(ModelImport, EachVertexOfObjHasItsOwnColour) {
+  constexpr std::string_view kFace = "f 1 2 3\n";
+  const auto colors_of = [&](std::string_view vertices) {
+    const Scene scene = import_text(std::string(vertices) + std::string(kFace));
+    EXPECT_EQ(scene.meshes.size(), 1u);
+    std::vector<glm::vec4> colors(3, glm::vec4(-1));
+    const Mesh& mesh = *scene.meshes.at(0);
+    for (std::size_t i = 0; i < mesh.colors.size(); ++i)
+      colors.at(mesh.positions[i].x > 0.5f ? 1 : mesh.positions[i].y > 0.5f ? 2 : 0) = mesh.colors[i];
+    return colors;
+  };
+  const glm::vec4 red(1, 0, 0, 1), green(0, 1, 0, 1), white(1);
+  using testing::ElementsAre;
+  EXPECT_THAT(colors_of("v 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0 0 1 0\n"), ElementsAre(white, red, green));
+  EXPECT_THAT(colors_of("v 0 0 0 255 0 0\nv 2 0 0 2 # heavy\r\nv 0 +1 0 0 255 0\n"),
+              ElementsAre(red, white, green));
+  EXPECT_THAT(colors_of("v 0 0 0 1 0 0 0.5\nv 1 0 0 0 1 0 1\nv 0 1 0 1 0 0 1\n"),
+              ElementsAre(red, green, red));
+  const Scene cloud = import_text("v 0 0 0\nv 1 0 0 1 0 0\n");
+  EXPECT_THAT(cloud.meshes.at(0)->colors, ElementsAre(white, red));
+  EXPECT_THAT(error_of("v 0 0\nv 1 0 0\nv 0 1 0\n" + std::string(kFace)).message,
+              testing::HasSubstr("vertex 1 has 2 of its 3 numbers"));
+  EXPECT_THAT(error_of("v 0 0 0\nv 1 0 0 1 1\nv 0 1 0\n" + std::string(kFace)).message,
+              testing::HasSubstr("vertex 2 has 5 numbers"));
 }
 
 // On a sphere the exact normal is the position: what is made must come close, and closer with more triangles.
