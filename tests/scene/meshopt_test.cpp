@@ -15,6 +15,7 @@
 
 #include "tests/scene/gltf_builder.hpp"
 #include "tests/scene/meshopt_files.hpp"
+#include "tests/support/hex.hpp"
 
 namespace furnace::testing {
 namespace {
@@ -56,17 +57,10 @@ TEST(Meshopt, ReadsVersion1) {
   }
 }
 
-Bytes bytes_of_hex(std::string_view text) {
-  Bytes bytes;
-  for (std::size_t i = 0; i < text.size(); i += 2)
-    bytes.push_back(std::uint8_t(std::stoul(std::string(text.substr(i, 2)), nullptr, 16)));
-  return bytes;
-}
-
 // As meshoptimizer 1.3 wrote it at its highest level: bits turned by 4, words, bytes, words.
 TEST(Meshopt, ReadsVersion1OfTheReferenceEncoder) {
   constexpr std::size_t kCount = 20, kStride = 16;
-  const Bytes file = bytes_of_hex(
+  const Bytes file = test::bytes_of_hex(
       "a1687755bf040300030b020f1317131f262c4f0f1e380f00d8d838040058585858585858585858585858585858585858"
       "052aaaaaaaaa00000000b31b83eb53bb238bf35bc32b93fb63cb339b030200234679abdeffff101112140f001517181a"
       "052aaaaaaaaa0000000204444444444444440f00040404040206666666666666660f0006060606020888888888888888"
