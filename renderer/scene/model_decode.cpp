@@ -219,8 +219,9 @@ void add_vertices(std::string_view obj, ModelBuilder& builder) {
     const ObjVertex vertex = obj_vertex(line, mesh.positions.size() + 1);
     mesh.indices.push_back(std::uint32_t(mesh.positions.size()));
     mesh.positions.push_back(vertex.position);
-    if (vertex.color) mesh.colors.emplace_back(*vertex.color, 1);  // all or none
+    if (vertex.color) mesh.colors.emplace_back(*vertex.color, 1);
   }
+  if (mesh.colors.size() != mesh.positions.size()) mesh.colors.clear();  // some are no numbers
   bring_colors_to_one(mesh.colors);
   builder.add_material(builder.plain_material());
   builder.add_part(std::move(mesh), 0, false);

@@ -38,8 +38,9 @@ bool is_obj(std::string_view text) {
   constexpr int kLinesSeen = 2000;  // some begin with long comments
   constexpr int kStatementsSeen = 8;
   int statements = 0;
+  std::string joined;
   for (int i = 0; i < kLinesSeen && !text.empty() && statements < kStatementsSeen; ++i) {
-    const std::string_view line = take_line(text);
+    const std::string_view line = take_statement(text, joined);
     if (line.empty() || line.front() == '#') continue;
     if (!is_obj_statement(line)) return false;
     ++statements;

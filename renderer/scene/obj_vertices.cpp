@@ -16,16 +16,6 @@ namespace {
 
 constexpr std::size_t kPosition = 3, kWeighted = 4, kColored = 6, kWithAlpha = 7;
 
-// At most one more than can be, up to a comment.
-std::size_t count_words(std::string_view statement) {
-  std::size_t count = 0;
-  while (!statement.empty() && statement.front() != '#' && count <= kWithAlpha) {
-    take_word(statement);
-    ++count;
-  }
-  return count;
-}
-
 bool is_count(std::size_t count) {
   return count == kPosition || count == kWeighted || count == kColored || count == kWithAlpha;
 }
@@ -49,25 +39,28 @@ std::optional<float> number_of(std::string_view word) {
 
 // What the "v" statements of a document have in common.
 struct Survey {
-  bool any_colored = false, any_bare = false, any_alpha = false;
-  bool continued = false;  // a statement goes on in the next line, which the library puts together
-  float most_color = 0;
+  bool any_colored = false, any_bare = false;
+  bool any_other = false;  // an alpha, or words that the library may take for numbers or not
 };
 
+void survey(std::string_view statement, Survey& out) {
+  std::size_t count = 0;
+  for (; !statement.empty(); ++count)
+    out.any_other |=
+        std::string_view("+-.0123456789").find(take_word(statement).front()) == std::string_view::npos;
+  out.any_other |= count != kPosition && count != kWeighted && count != kColored;
+  out.any_colored |= count >= kColored;
+  out.any_bare |= count < kColored;
+}
+
 Survey survey_of(std::string_view obj) {
-  Survey survey;
-  for (std::size_t number = 1; !obj.empty();) {
-    std::string_view line = take_line(obj);
-    if (take_word(line) != "v") continue;
-    survey.continued |= line.ends_with('\\');
-    const std::size_t count = count_words(line);
-    if (!survey.continued && !is_count(count)) fail_of_count(number, count);
-    survey.any_colored |= count >= kColored;
-    survey.any_bare |= count < kColored;
-    survey.any_alpha |= count == kWithAlpha;
-    ++number;
+  Survey out;
+  std::string joined;
+  while (!obj.empty()) {
+    std::string_view statement = take_statement(obj, joined);
+    if (take_word(statement) == "v") survey(statement, out);
   }
-  return survey;
+  return out;
 }
 
 }  // namespace
@@ -89,30 +82,37 @@ ObjVertex obj_vertex(std::string_view statement, std::size_t number) {
 }
 
 std::optional<std::string> with_even_vertices(std::string_view obj) {
-  Survey survey = survey_of(obj);
-  if (survey.continued || !survey.any_colored || (!survey.any_bare && !survey.any_alpha)) return {};
+  const Survey survey = survey_of(obj);
+  if (!survey.any_other && !(survey.any_colored && survey.any_bare)) return {};
   std::vector<ObjVertex> vertices;
+  bool colored = false;
+  float most_color = 0;
+  std::string joined;
   for (std::string_view left = obj; !left.empty();) {
-    std::string_view line = take_line(left);
-    if (take_word(line) != "v") continue;
-    vertices.push_back(obj_vertex(line, vertices.size() + 1));
-    if (const auto& color = vertices.back().color)
-      survey.most_color = std::max({survey.most_color, color->r, color->g, color->b});
+    std::string_view statement = take_statement(left, joined);
+    if (take_word(statement) != "v") continue;
+    vertices.push_back(obj_vertex(statement, vertices.size() + 1));
+    if (const auto& color = vertices.back().color) {
+      colored = true;
+      most_color = std::max({most_color, color->r, color->g, color->b});
+    }
   }
-  const glm::vec3 white(survey.most_color > 1 ? 255.0f : 1.0f);
+  const glm::vec3 white(most_color > 1 ? 255.0f : 1.0f);
   std::string out;
   out.reserve(obj.size() + vertices.size() * 8);
   const ObjVertex* next = vertices.data();
   for (std::string_view left = obj; !left.empty();) {
     const char* const begin = left.data();
-    std::string_view line = take_line(left);
-    if (take_word(line) != "v") {
+    std::string_view statement = take_statement(left, joined);
+    if (take_word(statement) != "v") {
       out.append(begin, left.data());
       continue;
     }
+    fmt::format_to(std::back_inserter(out), "v {} {} {}", next->position.x, next->position.y,
+                   next->position.z);
     const glm::vec3 color = next->color.value_or(white);
-    fmt::format_to(std::back_inserter(out), "v {} {} {} {} {} {}\n", next->position.x, next->position.y,
-                   next->position.z, color.r, color.g, color.b);
+    if (colored) fmt::format_to(std::back_inserter(out), " {} {} {}", color.r, color.g, color.b);
+    out += '\n';
     ++next;
   }
   return out;

@@ -24,6 +24,21 @@ inline std::string_view take_line(std::string_view& text) {
   return trimmed(line);
 }
 
+// Takes the next statement of an OBJ file off `text`: a line, or several in `joined` of which all but the last end in a
+// backslash.
+inline std::string_view take_statement(std::string_view& text, std::string& joined) {
+  std::string_view line = take_line(text);
+  if (!line.ends_with('\\')) return line;
+  joined.clear();
+  while (line.ends_with('\\')) {
+    joined.append(line.substr(0, line.size() - 1)).append(1, ' ');
+    if (text.starts_with('\n') && text.data()[-1] == '\r') text.remove_prefix(1);
+    line = take_line(text);
+  }
+  joined.append(line);
+  return trimmed(joined);
+}
+
 // Takes the next word off a trimmed line.
 inline std::string_view take_word(std::string_view& line) {
   const std::size_t end = std::min(line.find_first_of(kLineSpace), line.size());
