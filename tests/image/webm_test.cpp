@@ -278,7 +278,7 @@ TEST(WebmVideo, TakesAnyRateAndSize) {
     for (const VideoFrame& frame : video.frames) {
       const vpx_image_t* image = decoder.decode(frame.color);
       ASSERT_TRUE(image);
-      EXPECT_EQ(Extent(int(image->d_w), int(image->d_h)), extent);
+      EXPECT_EQ((Extent{int(image->d_w), int(image->d_h)}), extent);
     }
   }
 }
