@@ -22,10 +22,10 @@ bool is_count(std::size_t count) {
 
 std::optional<float> number_of(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
-  float number = 0;
+  double number = 0;  // some write less than the least float
   const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), number);
   if (fault != std::errc{} || end != word.data() + word.size()) return {};
-  return number;
+  return float(number);
 }
 
 [[noreturn]] void fail_of_count(std::size_t number, std::size_t count) {
