@@ -1,7 +1,6 @@
 #include "renderer/scene/light_profile.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -10,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "renderer/base/error.hpp"
+#include "renderer/scene/text_number.hpp"
 
 namespace furnace {
 namespace {
@@ -28,15 +28,12 @@ class Numbers {
       rest_.remove_prefix(1);
     }
     const std::size_t length = std::size_t(std::find_if(rest_.begin(), rest_.end(), is_gap) - rest_.begin());
-    std::string_view word = rest_.substr(0, length);
+    const std::string_view word = rest_.substr(0, length);
     if (word.empty()) refuse(fmt::format("the file ends before {}", what));
     rest_.remove_prefix(length);
-    if (word.front() == '+') word.remove_prefix(1);
-    double number = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(number))
-      refuse(fmt::format("{} is no number", what));
-    return number;
+    const std::optional<double> number = number_in(word);
+    if (!number || !std::isfinite(*number)) refuse(fmt::format("{} is no number", what));
+    return *number;
   }
   int count(std::string_view what, int most) {
     const double number = next(what);

@@ -213,10 +213,11 @@ bool has_elements(std::string_view obj) {
 void add_vertices(std::string_view obj, ModelBuilder& builder) {
   Mesh mesh;
   mesh.topology = Topology::kPoints;
+  std::string joined;
   while (!obj.empty()) {
-    std::string_view line = take_line(obj);
-    if (take_word(line) != "v") continue;
-    const ObjVertex vertex = obj_vertex(line, mesh.positions.size() + 1);
+    std::string_view statement = take_statement(obj, joined);
+    if (take_word(statement) != "v") continue;
+    const ObjVertex vertex = obj_vertex(statement, mesh.positions.size() + 1);
     mesh.indices.push_back(std::uint32_t(mesh.positions.size()));
     mesh.positions.push_back(vertex.position);
     if (vertex.color) mesh.colors.emplace_back(*vertex.color, 1);

@@ -37,6 +37,9 @@ bool is_obj_statement(std::string_view line) {
 bool is_obj(std::string_view text) {
   constexpr int kLinesSeen = 2000;  // some begin with long comments
   constexpr int kStatementsSeen = 8;
+  constexpr std::size_t kBytesSeen = 1 << 20;  // a statement may go on to the end
+  if (text.size() > kBytesSeen)
+    text = text.substr(0, std::min(text.find_last_of("\r\n", kBytesSeen), kBytesSeen));
   int statements = 0;
   std::string joined;
   for (int i = 0; i < kLinesSeen && !text.empty() && statements < kStatementsSeen; ++i) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -13,6 +12,7 @@
 
 #include "renderer/scene/model_format.hpp"
 #include "renderer/scene/text_lines.hpp"
+#include "renderer/scene/text_number.hpp"
 
 namespace furnace {
 namespace {
@@ -40,11 +40,8 @@ constexpr std::array<NumberStatement, 16> kNumberStatements = {{{"Ka", 3},
                                                                 {"anisor", 1}}};
 
 std::optional<double> number_of(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  double value = 0;
-  const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (fault != std::errc{} || end != word.data() + word.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
+  const std::optional<double> value = number_in(word);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 bool is_texture_statement(std::string_view word) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <iterator>
 #include <vector>
 
@@ -10,6 +9,7 @@
 
 #include "renderer/scene/model_builder.hpp"
 #include "renderer/scene/text_lines.hpp"
+#include "renderer/scene/text_number.hpp"
 
 namespace furnace {
 namespace {
@@ -18,14 +18,6 @@ constexpr std::size_t kPosition = 3, kWeighted = 4, kColored = 6, kWithAlpha = 7
 
 bool is_count(std::size_t count) {
   return count == kPosition || count == kWeighted || count == kColored || count == kWithAlpha;
-}
-
-std::optional<float> number_of(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  double number = 0;  // some write less than the least float
-  const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), number);
-  if (fault != std::errc{} || end != word.data() + word.size()) return {};
-  return float(number);
 }
 
 [[noreturn]] void fail_of_count(std::size_t number, std::size_t count) {
@@ -69,9 +61,9 @@ ObjVertex obj_vertex(std::string_view statement, std::size_t number) {
   std::array<float, kWithAlpha + 1> numbers{};
   std::size_t count = 0;
   while (!statement.empty() && count < numbers.size()) {
-    const std::optional<float> value = number_of(take_word(statement));
+    const std::optional<double> value = number_in(take_word(statement));
     if (!value) break;
-    numbers[count++] = *value;
+    numbers[count++] = float(*value);
   }
   if (!is_count(count)) fail_of_count(number, count);
   ObjVertex vertex;

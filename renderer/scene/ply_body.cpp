@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include <fmt/format.h>
+
+#include "renderer/scene/text_number.hpp"
 
 namespace furnace {
 namespace {
@@ -43,18 +43,10 @@ std::string_view PlyBody::word() {
 
 double PlyBody::text_number() {
   const std::string_view text = word();
-  const std::size_t sign = text.front() == '+' ? 1 : 0;
-  double value = 0;
-  const auto [end, fault] = std::from_chars(text.data() + sign, text.data() + text.size(), value);
-  if (fault == std::errc::invalid_argument || end != text.data() + text.size())
-    fail_row(fmt::format("has \"{}\" for a number", ply_name(text)));
-  // Too small for a double is 0, too large is infinite.
-  if (fault == std::errc::result_out_of_range)
-    value = text.find("e-") != text.npos || text.find("E-") != text.npos
-                ? 0
-                : std::numeric_limits<double>::infinity();
+  const std::optional<double> value = number_in(text);
+  if (!value) fail_row(fmt::format("has \"{}\" for a number", ply_name(text)));
   at_ += text.size();
-  return value;
+  return *value;
 }
 
 template <class Number>

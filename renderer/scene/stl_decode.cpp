@@ -1,9 +1,10 @@
 #include "renderer/scene/stl_decode.hpp"
 
 #include <algorithm>
-#include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -12,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "renderer/base/error.hpp"
+#include "renderer/scene/text_number.hpp"
 
 namespace furnace {
 namespace {
@@ -109,16 +111,13 @@ class TextFacets {
   }
 
   float number(std::string_view& text) const {
-    std::string_view word = take_word(text);
-    const std::string_view written = word;
-    if (word.starts_with('+')) word.remove_prefix(1);
-    double value = 0;
-    const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
-    const bool tiny = fault == std::errc::result_out_of_range && word.find('-', 1) != word.npos;
-    if (end != word.data() + word.size() || (fault != std::errc{} && !tiny))
-      fail_unreadable(ModelFormat::kStl,
-                      fmt::format("a vertex of facet {} has \"{}\" in place of a number", facets_, written));
-    return tiny ? 0 : static_cast<float>(value);
+    const std::string_view word = take_word(text);
+    const auto value = static_cast<float>(number_in(word).value_or(std::numeric_limits<double>::quiet_NaN()));
+    if (!std::isfinite(value))
+      fail_unreadable(
+          ModelFormat::kStl,
+          fmt::format("a vertex of facet {} has \"{}\" in place of a finite number", facets_, word));
+    return value;
   }
 
   std::vector<glm::vec3> corners_, polygon_;

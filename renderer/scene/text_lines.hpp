@@ -1,4 +1,4 @@
-// Lines and words of OBJ, MTL and PLY: views of the text, never copies.
+// Lines and words of OBJ and MTL: views of the text, but for statements over several lines.
 #pragma once
 
 #include <algorithm>

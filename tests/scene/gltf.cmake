@@ -7,4 +7,5 @@ furnace_test(scene_tangents LABEL unit SOURCES tangents_test.cpp LINK furnace_de
 furnace_test(scene_compression LABEL unit SOURCES draco_test.cpp meshopt_test.cpp
   LINK furnace_decode nlohmann_json::nlohmann_json draco::draco meshoptimizer::meshoptimizer)
 furnace_test(model_report_test LABEL unit SOURCES model_report_test.cpp LINK furnace_decode nlohmann_json::nlohmann_json)
-furnace_test(scene_models LABEL unit SOURCES model_format_test.cpp model_import_test.cpp obj_test.cpp stl_test.cpp ply_test.cpp polygon_test.cpp LINK furnace_decode)
+furnace_test(scene_models LABEL unit SOURCES model_format_test.cpp model_import_test.cpp obj_test.cpp stl_test.cpp ply_test.cpp polygon_test.cpp text_number_test.cpp
+  LINK furnace_decode)

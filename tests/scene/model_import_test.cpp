@@ -196,8 +196,9 @@ TEST(ModelImport, EachVertexOfObjHasItsOwnColour) {
               ElementsAre(red, green, red));
   EXPECT_THAT(colors_of("v 0 0 0\nv 1 \\\r\n0 0 1 0 0\nv 0 1 \\\n 0 0 1 0\n"),
               ElementsAre(white, red, green));
-  const Scene cloud = import_text("v 0 -1e-50 0 # 2\nv 1 0 0 1 0 0\n");
+  const Scene cloud = import_text("v 0 -1e-500 0 # 2\nv 1 0 0 1 0 0\n");
   EXPECT_THAT(cloud.meshes.at(0)->colors, ElementsAre(white, red));
+  EXPECT_EQ(import_text("v 0 0 \\\n0\nv 1 0 0\n").meshes.at(0)->positions.size(), 2u);
   EXPECT_THAT(error_of("v 0 0\nv 1 0 0\nv 0 1 0\n" + std::string(kFace)).message,
               testing::HasSubstr("vertex 1 has 2 of its 3 numbers"));
   EXPECT_THAT(error_of("v 0 0 0\nv 1 0 0 1 1\nv 0 1 0\n" + std::string(kFace)).message,

@@ -57,9 +57,8 @@ TEST(Stl, NumbersBeyondAFloatAreNotZero) {
     std::string text = text_stl();
     return text.replace(text.find("vertex 2"), 8, "vertex " + number);
   };
-  EXPECT_NE(error_of(with("1e999")).message.find("\"1e999\""), std::string::npos);
-  EXPECT_NE(error_of(with("1,5")).message.find("\"1,5\""), std::string::npos);
-  EXPECT_EQ(error_of(with("1e60")).message, "has a position that is not finite");
+  for (const std::string number : {"1e999", "1e60", "nan", "1,5"})
+    EXPECT_NE(error_of(with(number)).message.find('"' + number + '"'), std::string::npos) << number;
   EXPECT_EQ(import_text(with("+2.5E+0")).meshes.at(0)->bounds.max.x, 2.5f);
   EXPECT_EQ(import_text(with("1e-999")).meshes.at(0)->bounds.max.x, 0.0f);
 }

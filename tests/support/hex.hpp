@@ -1,19 +1,23 @@
 // Bytes of what other programs wrote, as tests hold them.
 #pragma once
 
+#include <charconv>
 #include <cstddef>
 #include <cstdint>
-#include <string>
+#include <stdexcept>
 #include <string_view>
 #include <vector>
 
 namespace furnace::test {
 
-// Two digits a byte; anything but digits throws.
+// Two digits a byte. Errors: std::invalid_argument, anything else.
 inline std::vector<std::uint8_t> bytes_of_hex(std::string_view text) {
-  std::vector<std::uint8_t> bytes;
-  for (std::size_t i = 0; i < text.size(); i += 2)
-    bytes.push_back(std::uint8_t(std::stoul(std::string(text.substr(i, 2)), nullptr, 16)));
+  std::vector<std::uint8_t> bytes(text.size() / 2);
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    const char *const begin = &text[2 * i], *const end = begin + 2;
+    if (std::from_chars(begin, end, bytes[i], 16).ptr != end) throw std::invalid_argument("no hex digits");
+  }
+  if (text.size() % 2 != 0) throw std::invalid_argument("half a byte");
   return bytes;
 }
 
