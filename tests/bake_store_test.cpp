@@ -5,8 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <signal.h>
-#include <sys/fsuid.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -26,6 +24,7 @@
 
 #include "renderer/image/exr_parts.hpp"
 #include "renderer/base/file.hpp"
+#include "tests/support/unprivileged.hpp"
 
 namespace furnace {
 namespace {
@@ -325,27 +324,8 @@ TEST_F(BakeStoreTest, AFolderThatCannotBeWrittenIsSaidOnce) {
   }
 }
 
-// Root may write everywhere: this thread is no longer root to the file system.
-class Unprivileged {
- public:
-  explicit Unprivileged(const fs::path& own_folder) {
-    if (geteuid() != 0) return;
-    EXPECT_EQ(chown(own_folder.c_str(), kNobody, gid_t(-1)), 0);
-    setfsuid(kNobody);
-  }
-  Unprivileged(const Unprivileged&) = delete;
-  Unprivileged& operator=(const Unprivileged&) = delete;
-  ~Unprivileged() {
-    setfsuid(geteuid());
-    prctl(PR_SET_DUMPABLE, 1);  // LeakSanitizer looks into a process only so
-  }
-
- private:
-  static constexpr uid_t kNobody = 65534;
-};
-
 TEST_F(BakeStoreTest, AFolderWithoutPermissionToWriteStillServes) {
-  const Unprivileged unprivileged(folder_);
+  const test::Unprivileged unprivileged(folder_);  // root may write everywhere
   BakeStore(folder_, kAmple).save(key_of(1), make_bake(1));
   BakeStore store(folder_, kAmple);
   const fs::path current = store.path_of(key_of(1)).parent_path();

@@ -143,7 +143,7 @@ class Case(unittest.TestCase):
 
 
 def main():
-    unittest.main(module="__main__")
+    unittest.main(module="__main__", verbosity=2)  # names what is skipped
 
 
 # --- PNG --------------------------------------------------------------------------------------------------------------
